@@ -1,0 +1,5 @@
+"""python -m mcgee"""
+
+from mcgee.cli import main
+
+main()

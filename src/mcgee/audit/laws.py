@@ -1,0 +1,327 @@
+"""The laws that M, C and g obey, for every robot in every state, each as a figure.
+
+A law's residual is how far a robot breaks it, as a fraction of the largest term involved: zero but
+for rounding where the law holds. Derivatives are taken numerically here, from the robot's own
+methods, so that no law is true by construction.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from mcgee.robot import Robot
+
+ROUNDING = 1e-12
+"""For sums of products: a thousand roundings of 1e-16 each, and some cancellation."""
+
+DIFFERENCE = 1e-9
+"""For numerical derivatives: 1e-16 over a step of 0.02, and the ninth derivative times 0.02^8."""
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class Law:
+    """residual(robot, q, qd, qdd) takes (..., n) each and gives (...)."""
+
+    name: str
+    statement: str
+    residual: Callable[[Robot, Array, Array, Array], Array]
+    tolerance: float
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """A law on given states: the largest residual, and where in the batch it is."""
+
+    law: Law
+    residual: float
+    worst: tuple[int, ...]
+
+    @property
+    def holds(self) -> bool:
+        return self.residual <= self.law.tolerance  # a NaN does not
+
+
+LAWS: list[Law] = []
+
+
+def law(statement: str, tolerance: float) -> Callable:
+    """Add a function to LAWS under its own name."""
+
+    def add(residual: Callable[[Robot, Array, Array, Array], Array]) -> Callable:
+        LAWS.append(Law(residual.__name__, statement, residual, tolerance))
+        return residual
+
+    return add
+
+
+def check(robot: Robot, q: Any, qd: Any, qdd: Any) -> list[Verdict]:
+    """Every law on a batch of states.
+
+    Args:
+        q, qd, qdd: joint positions, velocities, accelerations (..., n)
+    """
+    return list(_verdicts(robot, *(np.asarray(x, float) for x in (q, qd, qdd))))
+
+
+def _verdicts(robot: Robot, q: Array, qd: Array, qdd: Array) -> Iterator[Verdict]:
+    for each in LAWS:
+        residual = np.asarray(each.residual(robot, q, qd, qdd))
+        worst = np.unravel_index(np.argmax(residual), residual.shape)  # the first NaN, if any
+        yield Verdict(each, float(residual[worst]), tuple(int(i) for i in worst))
+
+
+# -- helpers --------------------------------------------------------------------------------------
+
+
+def _apart(a: Array, b: Array, *sizes: Array, axes: int = 1) -> Array:
+    """|a − b| over the largest of |a|, |b| and the sizes, along the last axes."""
+    along = tuple(range(-axes, 0))
+    scale = np.maximum(abs(a).max(along, initial=0), abs(b).max(along, initial=0))
+    for size in sizes:
+        scale = np.maximum(scale, size)
+    return abs(a - b).max(along, initial=0) / np.where(scale > 0, scale, 1)
+
+
+# central differences of eighth order
+_STEP = 0.02
+_WEIGHTS = (4 / 5, -1 / 5, 4 / 105, -1 / 280)
+
+
+def _slope(f: Callable[[float], Array]) -> Array:
+    """df/dt at t = 0."""
+    pairs = (w * (f(k * _STEP) - f(-k * _STEP)) for k, w in enumerate(_WEIGHTS, 1))
+    return sum(pairs, start=np.zeros(())) / _STEP
+
+
+def _gradient(f: Callable[[Array], Array], q: Array) -> Array:
+    """∂f/∂q_k, k along a new last axis."""
+    n = q.shape[-1]
+
+    def along(e: Array) -> Array:
+        return _slope(lambda t: f(q + t * e))
+
+    return np.stack([along(e) for e in np.eye(n)], axis=-1)
+
+
+def _times(M: Array, v: Array) -> Array:
+    return (M @ v[..., None])[..., 0]
+
+
+def _dot(a: Array, b: Array) -> Array:
+    return (a * b).sum(-1)
+
+
+# -- the inertia matrix ---------------------------------------------------------------------------
+
+
+@law("M is symmetric", 0.0)
+def inertia_symmetric(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
+    M = robot.mass_matrix(q)
+    return _apart(M, M.swapaxes(-1, -2), axes=2)
+
+
+@law("M is positive definite when the links are physical", 0.0)
+def inertia_positive(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
+    """Zero where the smallest eigenvalue is positive, else its share of the largest."""
+    moments = np.linalg.eigvalsh(robot.mass_matrix(q))
+    share = moments[..., 0] / moments[..., -1]
+    return np.where(share > 0, 0.0, np.maximum(-share, np.finfo(float).tiny))
+
+
+@law("M = Σ (m Jvᵀ Jv + Jωᵀ I Jω), link by link", ROUNDING)
+def inertia_by_definition(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
+    M = robot.mass_matrix(q)
+    total = np.zeros_like(M)
+    for link in robot.links:
+        if link.inertia is None:
+            continue
+        R = robot.forward_kinematics(q, link.name)[..., :3, :3]
+        J = robot.jacobian(q, link.name)
+        Jv, Jw = J[..., :3, :], J[..., 3:, :]
+        arm = R @ np.array(link.inertia.com, float)
+        Jc = Jv + np.cross(Jw, arm[..., None], axisa=-2, axisb=-2, axisc=-2)
+        I = R @ np.array(link.inertia.matrix, float) @ R.swapaxes(-1, -2)  # noqa: E741
+        total += link.inertia.mass * Jc.swapaxes(-1, -2) @ Jc + Jw.swapaxes(-1, -2) @ I @ Jw
+    return _apart(M, total + _armature(robot), axes=2)
+
+
+def _armature(robot: Robot) -> Array:
+    """What rotors add to M: each joint's armature on the coordinate that turns it."""
+    added = np.zeros((robot.n, robot.n))
+    for body in robot.mechanism.bodies:
+        added[body.coordinate, body.coordinate] += body.armature * body.multiplier**2
+    return added
+
+
+@law("T = ½ qdᵀ M qd", ROUNDING)
+def kinetic_energy_is_half_qd_M_qd(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
+    T = robot.kinetic_energy(q, qd)
+    return _apart(T[..., None], 0.5 * _dot(qd, _times(robot.mass_matrix(q), qd))[..., None])
+
+
+@law("M = ∂²T/∂qd∂qdᵀ", ROUNDING)
+def inertia_is_curvature_of_energy(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
+    M, n = robot.mass_matrix(q), robot.n
+    e, at = np.eye(n), q[..., None, None, :]
+    pair = robot.kinetic_energy(at, e[:, None, :] + e[None, :, :])
+    single = robot.kinetic_energy(at[..., 0, :], e)
+    curvature = pair - single[..., :, None] - single[..., None, :]
+    return _apart(M, curvature, axes=2)
+
+
+@law("T > 0 for qd ≠ 0 when the links are physical", 0.0)
+def kinetic_energy_positive(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
+    T = robot.kinetic_energy(q, qd)
+    moving = abs(qd).max(-1) > 0
+    return np.where((T > 0) | ~moving, 0.0, np.maximum(-T, np.finfo(float).tiny))
+
+
+@law("M⁻¹ M = 1", ROUNDING)
+def inertia_inverse(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
+    M, inverse = robot.mass_matrix(q), robot.mass_matrix_inverse(q)
+    size = abs(M).sum(-1).max(-1) * abs(inverse).sum(-1).max(-1)
+    return _apart(inverse @ M, np.broadcast_to(np.eye(robot.n), M.shape), size, axes=2)
+
+
+# -- velocities -----------------------------------------------------------------------------------
+
+
+@law("c_ijk = ½(∂M_ij/∂q_k + ∂M_ik/∂q_j − ∂M_jk/∂q_i)", DIFFERENCE)
+def christoffel_symbols(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
+    D = _gradient(robot.mass_matrix, q)  # D_ijk = ∂M_ij/∂q_k
+    c = 0.5 * (D + D.swapaxes(-1, -2) - np.moveaxis(D, -1, -3))
+    return _apart(robot.christoffel(q), c, abs(robot.mass_matrix(q)).max((-1, -2)), axes=3)
+
+
+@law("C_ij = Σ_k c_ijk qd_k", ROUNDING)
+def coriolis_from_christoffel(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
+    c, C = robot.christoffel(q), robot.coriolis_matrix(q, qd)
+    return _apart(C, _times(c, qd[..., None, :]), axes=2)
+
+
+@law("Ṁ − 2C is skew-symmetric", DIFFERENCE)
+def coriolis_skew(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
+    N = _rate_of_inertia(robot, q, qd) - 2 * robot.coriolis_matrix(q, qd)
+    return _apart(N, -N.swapaxes(-1, -2), _inertial_size(robot, q, qd), axes=2)
+
+
+@law("½ qdᵀ (Ṁ − 2C) qd = 0: Coriolis forces move energy and never make it", DIFFERENCE)
+def coriolis_powerless(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
+    N = 0.5 * _rate_of_inertia(robot, q, qd) - robot.coriolis_matrix(q, qd)
+    power = _dot(qd, _times(N, qd))
+    size = _inertial_size(robot, q, qd) * abs(qd).max(-1) ** 2
+    return _apart(power[..., None], np.zeros_like(power)[..., None], size)
+
+
+def _rate_of_inertia(robot: Robot, q: Array, qd: Array) -> Array:
+    """Ṁ along qd."""
+    return _times(_gradient(robot.mass_matrix, q), qd[..., None, :])
+
+
+def _inertial_size(robot: Robot, q: Array, qd: Array) -> Array:
+    """What Ṁ and C are compared with: they vanish together at singular poses."""
+    return abs(robot.mass_matrix(q)).max((-1, -2)) * abs(qd).max(-1)
+
+
+@law("C(q, qd) qd is the velocity part of tau", ROUNDING)
+def coriolis_is_C_qd(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
+    C, Cqd = robot.coriolis_matrix(q, qd), robot.coriolis(q, qd)
+    size = _dot(abs(C), abs(qd)[..., None, :]).max(-1)
+    return _apart(Cqd, _times(C, qd), size)
+
+
+@law("C(q, qd) v = C(q, v) qd", ROUNDING)
+def coriolis_product_symmetric(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
+    C, v = robot.coriolis_matrix(q, qd), qdd
+    one, other = robot.coriolis_product(q, qd, v), robot.coriolis_product(q, v, qd)
+    size = _dot(abs(C), abs(v)[..., None, :]).max(-1)
+    return np.maximum(_apart(one, other, size), _apart(one, _times(C, v), size))
+
+
+# -- gravity, and the whole equation --------------------------------------------------------------
+
+
+@law("g_i = ∂P/∂q_i", DIFFERENCE)
+def gravity_is_slope_of_energy(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
+    return _apart(robot.gravity(q), _gradient(robot.potential_energy, q), _weight(robot))
+
+
+def _weight(robot: Robot) -> Array:
+    """The weight of the links at one metre [N·m]: what a torque of gravity is compared with."""
+    mass = sum(link.inertia.mass for link in robot.links if link.inertia is not None)
+    return np.asarray(mass * np.linalg.norm(np.array(robot.gravity_vector, float)))
+
+
+@law("at rest tau = g(q) holds the arm still", ROUNDING)
+def gravity_holds(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
+    rest = np.zeros_like(q)
+    g = robot.gravity(q)
+    return _apart(robot.inverse_dynamics(q, rest, rest), g, _weight(robot))
+
+
+@law("tau = M qdd + C qd + g", ROUNDING)
+def equation_of_motion(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
+    M, Cqd, g = robot.terms(q, qd)
+    parts = _times(M, qdd), Cqd, g
+    size = sum(abs(part).max(-1) for part in parts)
+    total = parts[0] + parts[1] + parts[2]
+    return _apart(robot.inverse_dynamics(q, qd, qdd), total, np.asarray(size))
+
+
+@law("forward dynamics undoes inverse dynamics", ROUNDING)
+def forward_undoes_inverse(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
+    tau = robot.inverse_dynamics(q, qd, qdd)
+    size = abs(robot.mass_matrix_inverse(q)).sum(-1).max(-1) * abs(tau).max(-1)
+    return _apart(robot.forward_dynamics(q, qd, tau), qdd, size)
+
+
+@law("terms gives what mass_matrix, coriolis and gravity give", ROUNDING)
+def terms_are_the_parts(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
+    M, Cqd, g = robot.terms(q, qd)
+    C = robot.coriolis_matrix(q, qd)
+    size = _dot(abs(C), abs(qd)[..., None, :]).max(-1)
+    return np.maximum.reduce(
+        [
+            _apart(M, robot.mass_matrix(q), axes=2),
+            _apart(Cqd, robot.coriolis(q, qd), size),
+            _apart(g, robot.gravity(q), _weight(robot)),
+        ]
+    )
+
+
+@law("d(T + P)/dt = qdᵀ tau", DIFFERENCE)
+def energy_balance(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
+    tau = robot.inverse_dynamics(q, qd, qdd)
+    # so much time that the fastest joint moves by about one step
+    pace = np.maximum(abs(qd).max(-1), np.sqrt(abs(qdd).max(-1)))[..., None]
+    pace = np.where(pace > 0, pace, 1.0)
+    scaled = _slope(lambda t: _energy_at(robot, q, qd, qdd, t / pace))
+    power = scaled * pace[..., 0]
+    size = (abs(qd) * abs(tau)).sum(-1) + _weight(robot) * abs(qd).max(-1)
+    return _apart(_dot(qd, tau)[..., None], power[..., None], size)
+
+
+def _energy_at(robot: Robot, q: Array, qd: Array, qdd: Array, t: Array) -> Array:
+    """T + P a time t later, with constant acceleration."""
+    at, speed = q + t * qd + 0.5 * t * t * qdd, qd + t * qdd
+    return robot.kinetic_energy(at, speed) + robot.potential_energy(at)
+
+
+# -- kinematics -----------------------------------------------------------------------------------
+
+
+@law("the Jacobian is the rate of the frame's pose", DIFFERENCE)
+def jacobian_is_rate_of_pose(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
+    T = robot.forward_kinematics(q)
+    D = np.moveaxis(_gradient(robot.forward_kinematics, q), -1, -3)  # (..., n, 4, 4)
+    W = D[..., :3, :3] @ T[..., None, :3, :3].swapaxes(-1, -2)  # each column's ω×
+    rate = np.stack(
+        [D[..., 0, 3], D[..., 1, 3], D[..., 2, 3], W[..., 2, 1], W[..., 0, 2], W[..., 1, 0]], -2
+    )
+    return _apart(robot.jacobian(q), rate, np.asarray(1.0), axes=2)

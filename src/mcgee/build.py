@@ -1,0 +1,65 @@
+"""The one place where a mechanism and a quantity become a graph."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from mcgee import quantities
+from mcgee.algorithms.regroup import regrouped
+from mcgee.graph.node import Graph, Value
+from mcgee.graph.program import Array, Program
+from mcgee.mechanism import Mechanism
+
+
+@dataclass(frozen=True)
+class Signature:
+    """What a quantity takes (each (n,)) and gives; n stands for the number of coordinates."""
+
+    inputs: tuple[str, ...]
+    outputs: tuple[tuple[str, tuple[int | str, ...]], ...]
+    energy: bool = False
+    """Whether single bodies matter, so that regrouped inertias will not do."""
+
+
+def _gives(name: str, *shape: int | str) -> tuple[tuple[str, tuple[int | str, ...]], ...]:
+    return ((name, shape),)
+
+
+SIGNATURES = {
+    "mass_matrix": Signature(("q",), _gives("M", "n", "n")),
+    "mass_matrix_inverse": Signature(("q",), _gives("Minv", "n", "n")),
+    "coriolis": Signature(("q", "qd"), _gives("Cqd", "n")),
+    "coriolis_matrix": Signature(("q", "qd"), _gives("C", "n", "n")),
+    "coriolis_product": Signature(("q", "qd", "v"), _gives("Cv", "n")),
+    "christoffel": Signature(("q",), _gives("c", "n", "n", "n")),
+    "gravity": Signature(("q",), _gives("g", "n")),
+    "terms": Signature(("q", "qd"), (("M", ("n", "n")), ("Cqd", ("n",)), ("g", ("n",)))),
+    "inverse_dynamics": Signature(("q", "qd", "qdd"), _gives("tau", "n")),
+    "forward_dynamics": Signature(("q", "qd", "tau"), _gives("qdd", "n")),
+    "kinetic_energy": Signature(("q", "qd"), _gives("T")),
+    "potential_energy": Signature(("q",), _gives("P"), energy=True),
+    "forward_kinematics": Signature(("q",), _gives("T", 4, 4)),
+    "jacobian": Signature(("q",), _gives("J", 6, "n")),
+}
+
+
+def trace(mechanism: Mechanism, quantity: str, *options: Any) -> Program:
+    """Run the quantity's algorithm on graph nodes."""
+    signature, graph, n = SIGNATURES[quantity], Graph(), mechanism.n
+    inputs = tuple(Array(name, (n,)) for name in signature.inputs)
+    nodes = [graph.inputs(array.name, n) for array in inputs]
+    model = mechanism if signature.energy else regrouped(mechanism)
+    result = getattr(quantities, quantity)(model, *nodes, *options)
+    outputs = tuple(
+        Array(name, tuple(n if size == "n" else int(size) for size in shape))
+        for name, shape in signature.outputs
+    )
+    return Program(quantity, inputs, outputs, tuple(_flat(result)))
+
+
+def _flat(result: Any) -> Iterator[Value]:
+    if isinstance(result, (list, tuple)):
+        for part in result:
+            yield from _flat(part)
+    else:
+        yield result

@@ -1,0 +1,5 @@
+"""The command `mcgee`."""
+
+from mcgee.cli.app import main
+
+__all__ = ["main"]

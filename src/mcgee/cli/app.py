@@ -1,0 +1,94 @@
+"""The commands, their options, and what every command does with errors and warnings."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Annotated
+
+import typer
+
+import mcgee
+from mcgee.cli import terms as terms_view
+from mcgee.cli.state import read_state
+
+app = typer.Typer(
+    name="mcgee",
+    help="The terms of a robot arm's equation of motion, M(q) qdd + C(q, qd) qd + g(q) = tau.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+RobotArgument = Annotated[
+    str,
+    typer.Argument(
+        metavar="ROBOT", help="A URDF file, or a built-in arm such as planar_2r, puma560 or panda."
+    ),
+]
+StateOption = "comma-separated, one for each joint (0.5,0.3) or by name (elbow=0.3, others zero)"
+DegreesOption = Annotated[
+    bool, typer.Option("--degrees", help="Read and show angles in degrees; M, C and g stay in SI.")
+]
+JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON, in SI units and radians.")]
+
+
+def main() -> None:
+    app(prog_name="mcgee")
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"mcgee {mcgee.__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _common(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    pass
+
+
+@app.command(
+    no_args_is_help=True,
+    epilog="Example:  mcgee terms planar_2r --q 0.5,0.3 --qd 0.1,-0.2",
+)
+def terms(
+    robot: RobotArgument,
+    q: Annotated[
+        str, typer.Option("--q", help=f"Joint positions [rad | m]: {StateOption}.")
+    ] = "",
+    qd: Annotated[
+        str, typer.Option("--qd", help="Joint velocities [rad/s | m/s], in the same form.")
+    ] = "",
+    degrees: DegreesOption = False,
+    json: JsonOption = False,
+) -> None:
+    """Print M(q), C(q, qd) qd and g(q) of a robot in one state; at rest in q = 0 by default."""
+    with reported():
+        arm = mcgee.load(robot)
+        state = read_state(arm, q, qd, degrees=degrees)
+        (terms_view.print_json if json else terms_view.print_tables)(arm, state)
+
+
+@contextmanager
+def reported() -> Iterator[None]:
+    """Warnings as one line each on stderr; what a user got wrong as one line and exit code 2."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", mcgee.ModelWarning)
+        warnings.showwarning = _show
+        try:
+            yield
+        except ValueError as error:
+            typer.echo(f"mcgee: error: {error}", err=True)
+            raise typer.Exit(2) from None
+
+
+def _show(message: Warning | str, *_: object, **__: object) -> None:
+    typer.echo(f"mcgee: warning: {message}", err=True)

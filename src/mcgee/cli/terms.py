@@ -1,0 +1,100 @@
+"""M, C qd and g of one state, as tables and as JSON."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+from rich import box
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from mcgee.cli.state import State
+from mcgee.robot import Robot, Terms
+
+COLUMNS = 7
+"""Columns of M side by side in 80 characters."""
+
+
+def print_json(robot: Robot, state: State) -> None:
+    terms = robot.terms(state.q, state.qd)
+    slides = [joint.kind == "prismatic" for joint in robot.independent_joints]
+    report = {
+        "robot": robot.name,
+        "joints": list(robot.joint_names),
+        "units": {
+            "q": ["m" if s else "rad" for s in slides],
+            "qd": ["m/s" if s else "rad/s" for s in slides],
+            "effort": ["N" if s else "N·m" for s in slides],
+        },
+        "gravity_vector": list(robot.gravity_vector),
+        "q": state.q.tolist(),
+        "qd": state.qd.tolist(),
+        **{name: values.tolist() for name, values in zip(Terms._fields, terms, strict=True)},
+    }
+    print(json.dumps(report, ensure_ascii=False, indent=2))
+
+
+def print_tables(robot: Robot, state: State) -> None:
+    terms = robot.terms(state.q, state.qd)
+    console = Console(highlight=False, soft_wrap=False)
+    console.print(Text(repr(robot)))
+    console.print(_state_table(robot, state, terms))
+    for first in range(0, robot.n, COLUMNS):
+        console.print(_matrix_table(robot, terms.M, range(first, min(first + COLUMNS, robot.n))))
+
+
+def _state_table(robot: Robot, state: State, terms: Terms) -> Table:
+    table = _table("State, and the efforts it asks for: C(q, qd) qd and g(q)")
+    for title in ("", "joint", "q", "qd", "C qd", "g", "unit"):
+        table.add_column(title, justify="left" if title in ("joint", "unit") else "right")
+    joints = robot.independent_joints
+    turns = np.array([joint.kind != "prismatic" for joint in joints])
+    shown = np.where(turns & state.degrees, 180 / math.pi, 1.0)
+    columns = (state.q * shown, state.qd * shown, terms.Cqd, terms.g)
+    angle = "deg" if state.degrees else "rad"
+    for i, row in enumerate(zip(*(_aligned(column) for column in columns), strict=True)):
+        unit = f"{angle}, {angle}/s, N·m" if turns[i] else "m, m/s, N"
+        table.add_row(str(i + 1), Text(joints[i].name), *row, unit)
+    return table
+
+
+def _matrix_table(robot: Robot, M: np.ndarray, columns: range) -> Table:
+    kinds = {joint.kind == "prismatic" for joint in robot.independent_joints}
+    unit = "kg·m²" if kinds == {False} else "kg" if kinds == {True} else "kg·m², kg·m, kg"
+    table = _table(f"M(q) [{unit}]")
+    table.add_column("", justify="right")
+    for j in columns:
+        table.add_column(str(j + 1), justify="right", min_width=7)
+    entries = _aligned(M[:, columns].ravel(), abs(M).max())
+    for i in range(robot.n):
+        table.add_row(str(i + 1), *entries[i * len(columns) : (i + 1) * len(columns)])
+    return table
+
+
+def _table(title: str) -> Table:
+    return Table(
+        title=Text(title, style="bold"), title_justify="left", box=box.SIMPLE_HEAD, padding=(0, 1)
+    )
+
+
+DIGITS = 5
+
+
+def _aligned(values: Iterable[float], largest: float | None = None) -> Sequence[str]:
+    """Numbers with the same decimals: DIGITS significant ones in the largest, zeros as 0."""
+    values = [float(v) for v in values]
+    top = largest if largest is not None else max((abs(v) for v in values), default=0.0)
+    magnitude = math.floor(math.log10(top)) if top > 0 and math.isfinite(top) else 0
+    decimals = min(max(DIGITS - 1 - magnitude, 0), DIGITS + 1)
+    least = 0.5 * 10.0**-decimals
+
+    def text(v: float) -> str:
+        if abs(v) <= 1e-15 * top:
+            return "0"
+        return f"{v:.0e}" if abs(v) < least else f"{v:.{decimals}f}"
+
+    return [text(v) for v in values]

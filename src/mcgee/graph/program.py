@@ -1,0 +1,84 @@
+"""A traced function: named inputs, named outputs, and the nodes between them."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from mcgee.graph.node import OPERATIONS, Node, Value
+
+
+@dataclass(frozen=True)
+class Array:
+    name: str
+    shape: tuple[int, ...]
+
+    @property
+    def size(self) -> int:
+        return math.prod(self.shape)
+
+
+@dataclass(frozen=True)
+class Program:
+    """roots holds the elements of the outputs, in order, row by row."""
+
+    name: str
+    inputs: tuple[Array, ...]
+    outputs: tuple[Array, ...]
+    roots: tuple[Value, ...]
+
+    @cached_property
+    def nodes(self) -> list[Node]:
+        """The nodes that the outputs need, arguments first, in the order they were made."""
+        needed: set[Node] = set()
+        stack = [root for root in self.roots if isinstance(root, Node)]
+        while stack:
+            node = stack.pop()
+            if node not in needed:
+                needed.add(node)
+                stack.extend(a for a in node.args if isinstance(a, Node))
+        return sorted(needed, key=lambda node: node.index)
+
+    def operation_counts(self) -> dict[str, int]:
+        """Additions, multiplications, divisions, negations and sine-cosine pairs."""
+        count = Counter(node.op for node in self.nodes)
+        angles = {node.args[0] for node in self.nodes if node.op in ("cos", "sin")}
+        return {
+            "add": count["add"] + count["sub"],
+            "mul": count["mul"],
+            "div": count["div"],
+            "neg": count["neg"],
+            "sincos": len(angles),
+        }
+
+
+def evaluate(program: Program, *arrays: Any) -> list[np.ndarray]:
+    """The reference interpreter: each node a NumPy operation on whole batches."""
+    given = {
+        array.name: np.asarray(values, float)
+        for array, values in zip(program.inputs, arrays, strict=True)
+    }
+    lead = np.broadcast_shapes(*(values.shape[:-1] for values in given.values()))
+    known: dict[Node, np.ndarray] = {}
+    for node in program.nodes:
+        if node.op == "input":
+            name, i = node.args
+            known[node] = np.broadcast_to(given[name][..., i], lead)
+        else:
+            args = [known[a] if isinstance(a, Node) else a for a in node.args]
+            known[node] = OPERATIONS[node.op].evaluate(*args)
+    columns = [
+        known[root] if isinstance(root, Node) else np.full(lead, float(root))
+        for root in program.roots
+    ]
+    results, start = [], 0
+    for array in program.outputs:
+        flat = np.stack(columns[start : start + array.size], axis=-1)
+        results.append(flat.reshape(*lead, *array.shape))
+        start += array.size
+    return results

@@ -1,0 +1,190 @@
+"""A program as LLVM IR: straight-line code on tiles of a few rows.
+
+A tile holds one vector of lanes for each scalar. `@kernel(in, out, work)` reads the input tile and
+writes one vector for each distinct root to the output tile; what one part computes and a later
+part needs passes through `work`.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from mcgee.graph.node import Node, Value
+from mcgee.graph.program import Program
+from mcgee.jit.emit import Emitter
+from mcgee.jit.target import Target
+
+PART = 800
+"""Operations a function: code generators take more than linear time in its length."""
+
+PARAMETERS = "ptr noalias %in, ptr noalias %out, ptr noalias %work"
+
+
+@dataclass(frozen=True)
+class Kernel:
+    text: str
+    work: int
+    """Vectors of scratch space."""
+    slots: tuple[int, ...]
+    """For each element of the outputs, its vector in the output tile."""
+    constants: tuple[tuple[int, float], ...]
+    """Vectors of the output tile that no input changes: (slot, value)."""
+    tile: int
+    """Vectors in the output tile."""
+
+
+def kernel_ir(program: Program, target: Target) -> Kernel:
+    places = _places(program)
+    fused = _fusions(program) if target.fma else {}
+    order = _live(program, fused)
+    parts = [order[i : i + PART] for i in range(0, len(order), PART)] or [[]]
+    crossing = _crossing(parts, fused)
+    offsets, start = {}, 0
+    for array in program.inputs:
+        offsets[array.name], start = start, start + array.size
+    texts = [
+        _part(f"part{k}", part, target, fused, crossing, places, offsets)
+        for k, part in enumerate(parts)
+    ]
+    calls = "\n".join(
+        f"  call void @part{k}(ptr %in, ptr %out, ptr %work)" for k in range(len(parts))
+    )
+    body = f"""
+define internal void @kernel({PARAMETERS}) nounwind {{
+{calls}
+  ret void
+}}
+"""
+    slots, constants, tile = _slots(program, places)
+    return Kernel("".join(texts) + body, len(crossing), slots, constants, tile)
+
+
+def _places(program: Program) -> dict[Node, int]:
+    """The output vector of each distinct root."""
+    places: dict[Node, int] = {}
+    for root in program.roots:
+        if isinstance(root, Node):
+            places.setdefault(root, len(places))
+    return places
+
+
+def _slots(
+    program: Program, places: dict[Node, int]
+) -> tuple[tuple[int, ...], tuple[tuple[int, float], ...], int]:
+    values: dict[float, int] = {}
+    slots = []
+    for root in program.roots:
+        if isinstance(root, Node):
+            slots.append(places[root])
+        else:
+            slots.append(values.setdefault(float(root), len(places) + len(values)))
+    constants = tuple((slot, value) for value, slot in values.items())
+    return tuple(slots), constants, len(places) + len(values)
+
+
+def _fusions(program: Program) -> dict[Node, Node]:
+    """For each sum that takes a product into one rounding, that product."""
+    uses = Counter(a for node in program.nodes for a in node.args if isinstance(a, Node))
+    uses.update(root for root in program.roots if isinstance(root, Node))
+    fused = {}
+    for node in program.nodes:
+        if node.op in ("add", "sub"):
+            products = [a for a in node.args if isinstance(a, Node) and a.op == "mul"]
+            if products:
+                fused[node] = min(products, key=lambda a: (uses[a], -a.index))
+    return fused
+
+
+def _arguments(node: Node, fused: dict[Node, Node]) -> Sequence[Node]:
+    """The nodes whose values the operation reads."""
+    product = fused.get(node)
+    args = [a for a in node.args if isinstance(a, Node) and a is not product]
+    if product is not None:
+        args += [a for a in product.args if isinstance(a, Node)]
+    return args
+
+
+def _live(program: Program, fused: dict[Node, Node]) -> list[Node]:
+    """The operations that are left when fused products have gone, in order."""
+    needed: set[Node] = set()
+    stack = [root for root in program.roots if isinstance(root, Node)]
+    while stack:
+        node = stack.pop()
+        if node not in needed:
+            needed.add(node)
+            stack.extend(_arguments(node, fused))
+    return [node for node in program.nodes if node in needed]
+
+
+def _crossing(parts: list[list[Node]], fused: dict[Node, Node]) -> dict[Node, int]:
+    """Scratch vectors for values that a later part reads."""
+    home = {node: k for k, part in enumerate(parts) for node in part}
+    crossing: dict[Node, int] = {}
+    for k, part in enumerate(parts):
+        for node in part:
+            for a in _arguments(node, fused):
+                if home[a] != k and a.op != "input":
+                    crossing.setdefault(a, len(crossing))
+    return crossing
+
+
+def _part(
+    name: str,
+    nodes: list[Node],
+    target: Target,
+    fused: dict[Node, Node],
+    crossing: dict[Node, int],
+    places: dict[Node, int],
+    offsets: dict[str, int],
+) -> str:
+    e = Emitter(target)
+    known: dict[Node, str] = {}
+    angles: dict[Node, tuple[str, str]] = {}
+
+    def value(a: Value) -> str:
+        if not isinstance(a, Node):
+            return e.constant(a)
+        if a not in known:
+            if a.op == "input":
+                known[a] = e.load("%in", offsets[a.args[0]] + a.args[1])
+            else:
+                known[a] = e.load("%work", crossing[a])
+        return known[a]
+
+    for node in nodes:
+        if node.op in ("cos", "sin"):
+            angle = node.args[0]
+            if angle not in angles:
+                angles[angle] = _pair(e, value(angle))
+            known[node] = angles[angle][node.op == "sin"]
+        elif node.op != "input":
+            known[node] = _operation(e, node, fused.get(node), value)
+        if node in places:
+            e.store(value(node), "%out", places[node])
+        if node in crossing and node.op != "input":
+            e.store(value(node), "%work", crossing[node])
+    lines = "\n".join(e.lines)
+    return f"""
+define internal void @{name}({PARAMETERS}) nounwind noinline {{
+{lines}
+  ret void
+}}
+"""
+
+
+def _pair(e: Emitter, angle: str) -> tuple[str, str]:
+    pair = f"{{ {e.vector}, {e.vector} }}"
+    both = e.let(f"call {pair} @cos_sin({e.vector} {angle})")
+    return e.let(f"extractvalue {pair} {both}, 0"), e.let(f"extractvalue {pair} {both}, 1")
+
+
+def _operation(e: Emitter, node: Node, product: Node | None, value: Callable[[Value], str]) -> str:
+    if product is None:
+        return getattr(e, node.op)(*(value(a) for a in node.args))
+    x, y = (value(a) for a in product.args)
+    a, b = node.args
+    if node.op == "add":
+        return e.muladd(x, y, value(b if a is product else a))
+    return e.mulsub(x, y, value(b)) if a is product else e.submul(value(a), x, y)

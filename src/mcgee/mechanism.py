@@ -1,0 +1,195 @@
+"""A description reduced to what the algorithms need.
+
+Fixed joints are merged, every joint turns about or slides along its own z, joints that mimic
+another share its coordinate. Body i carries the frame of its joint; the parent of body i comes
+before it; -1 is the ground.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+from mcgee.model import Frame, Inertia, Joint, Link, Pose, Vec3, frame_on_axis
+from mcgee.scalar import Scalar
+
+GROUND = -1
+
+
+@dataclass(frozen=True)
+class Body:
+    """One rigid body: all the links that move with one joint, in the frame of that joint."""
+
+    name: str
+    parent: int
+    pose: Pose
+    """Of this body's frame in its parent's, at joint position zero."""
+    prismatic: bool
+    mass: Scalar
+    first_moment: Vec3
+    inertia: tuple[Scalar, ...]
+    """Ixx, Ixy, Ixz, Iyy, Iyz, Izz about the origin of the body's frame."""
+    armature: Scalar
+    coordinate: int
+    multiplier: Scalar
+    """Joint position = multiplier * q[coordinate]; a mimic's offset is part of the pose."""
+
+
+@dataclass(frozen=True)
+class Mass:
+    """A link's own inertia, seen in the frame of the body that carries it."""
+
+    link: str
+    body: int
+    inertia: Inertia
+
+
+@dataclass(frozen=True)
+class Mechanism:
+    bodies: tuple[Body, ...]
+    masses: tuple[Mass, ...]
+    frames: dict[str, tuple[int, Pose]]
+    gravity: Vec3
+    n: int
+
+    @cached_property
+    def coupled(self) -> bool:
+        """Whether some coordinate moves more than one body, or moves it with a factor."""
+        return len(self.bodies) != self.n or any(b.multiplier != 1 for b in self.bodies)
+
+    def map(self, convert: Callable[[Scalar], Scalar]) -> Mechanism:
+        """The same mechanism with every number converted: to fractions.Fraction, say."""
+        return _map(self, convert)
+
+    def joint_space(self, x: Sequence[Scalar]) -> list[Scalar]:
+        """Each body's own joint position or velocity from the coordinates."""
+        return [
+            x[b.coordinate] if b.multiplier == 1 else x[b.coordinate] * b.multiplier
+            for b in self.bodies
+        ]
+
+
+def _map(x: Any, convert: Callable[[Scalar], Scalar]) -> Any:
+    if isinstance(x, Mechanism):
+        return replace(
+            x,
+            bodies=_map(x.bodies, convert),
+            masses=_map(x.masses, convert),
+            frames={name: (i, _map(pose, convert)) for name, (i, pose) in x.frames.items()},
+            gravity=_map(x.gravity, convert),
+        )
+    if isinstance(x, Body):
+        fields = ("pose", "mass", "first_moment", "inertia", "armature", "multiplier")
+        return replace(x, **{name: _map(getattr(x, name), convert) for name in fields})
+    if isinstance(x, Mass):
+        return replace(x, inertia=_map(x.inertia, convert))
+    if isinstance(x, Inertia):
+        return Inertia(*(_map(v, convert) for v in (x.mass, x.com, x.about_com)))
+    if isinstance(x, Pose):
+        return Pose(_map(x.rotation, convert), _map(x.translation, convert))
+    if isinstance(x, tuple):
+        return tuple(_map(v, convert) for v in x)
+    return convert(x)
+
+
+def depth_first(links: Sequence[Link], joints: Sequence[Joint]) -> list[Joint]:
+    """The joints from the root outwards, subtree by subtree, siblings in the file's order."""
+    children: dict[str, list[Joint]] = {}
+    for joint in joints:
+        children.setdefault(joint.parent, []).append(joint)
+    order: list[Joint] = []
+    stack = list(reversed(children.get(root_of(links, joints), [])))
+    while stack:
+        joint = stack.pop()
+        order.append(joint)
+        stack.extend(reversed(children.get(joint.child, [])))
+    return order
+
+
+def root_of(links: Sequence[Link], joints: Sequence[Joint]) -> str:
+    moved = {joint.child for joint in joints}
+    return next(link.name for link in links if link.name not in moved)
+
+
+def coordinate_of(joint: Joint, joints: dict[str, Joint]) -> tuple[str, Scalar, Scalar]:
+    """(independent joint, multiplier, offset) behind a chain of mimic joints."""
+    multiplier, offset = 1.0, 0.0
+    while joint.mimic is not None:
+        offset = offset + multiplier * joint.mimic.offset
+        multiplier = multiplier * joint.mimic.multiplier
+        joint = joints[joint.mimic.joint]
+    return joint.name, multiplier, offset
+
+
+def reduce(
+    links: Sequence[Link], joints: Sequence[Joint], frames: Sequence[Frame], gravity: Vec3
+) -> Mechanism:
+    """Merge fixed joints, put every joint on its own z, resolve mimic joints.
+
+    Expects a valid tree. Coordinates are numbered along `depth_first`.
+    """
+    order = depth_first(links, joints)
+    by_name = {joint.name: joint for joint in joints}
+    independent = [joint.name for joint in order if joint.moves and joint.mimic is None]
+    # where each link's frame is: (body, pose of the link's frame in the body's)
+    seats: dict[str, tuple[int, Pose]] = {root_of(links, joints): (GROUND, Pose())}
+    bodies: list[Body] = []
+    for joint in order:
+        i, seat = seats[joint.parent]
+        pose = seat @ joint.pose
+        if joint.moves:
+            leader, multiplier, offset = coordinate_of(joint, by_name)
+            on_axis = frame_on_axis(joint.axis)
+            pose, i, parent = pose @ on_axis, len(bodies), i
+            prismatic = joint.kind == "prismatic"
+            if joint.mimic is not None:
+                pose = pose @ (Pose.at(z=offset) if prismatic else Pose.about("z", offset))
+            bodies.append(
+                Body(
+                    joint.name,
+                    parent,
+                    pose,
+                    prismatic,
+                    0.0,
+                    (0.0, 0.0, 0.0),
+                    (0.0,) * 6,
+                    joint.armature,
+                    independent.index(leader),
+                    multiplier,
+                )
+            )
+            pose = on_axis.inverse()
+        seats[joint.child] = (i, pose @ joint.child_pose)
+    masses = tuple(
+        Mass(link.name, seats[link.name][0], link.inertia.seen_from(seats[link.name][1]))
+        for link in links
+        if link.inertia is not None and seats[link.name][0] != GROUND
+    )
+    for mass in masses:
+        bodies[mass.body] = _with_mass(bodies[mass.body], mass.inertia)
+    seats_of_frames = {
+        frame.name: (seats[frame.link][0], seats[frame.link][1] @ frame.pose) for frame in frames
+    }
+    return Mechanism(tuple(bodies), masses, seats | seats_of_frames, gravity, len(independent))
+
+
+def _with_mass(body: Body, added: Inertia) -> Body:
+    m, (x, y, z) = added.mass, added.com
+    xx, xy, xz, yy, yz, zz = added.about_com
+    about_origin = (
+        xx + m * (y * y + z * z),
+        xy - m * (x * y),
+        xz - m * (x * z),
+        yy + m * (x * x + z * z),
+        yz - m * (y * z),
+        zz + m * (x * x + y * y),
+    )
+    hx, hy, hz = body.first_moment
+    return replace(
+        body,
+        mass=body.mass + m,
+        first_moment=(hx + m * x, hy + m * y, hz + m * z),
+        inertia=tuple(a + b for a, b in zip(body.inertia, about_origin, strict=True)),
+    )

@@ -1,0 +1,125 @@
+"""The quantities a user asks for, over any scalar.
+
+Each takes a mechanism and the coordinates q, qd, … (sequences of n scalars) and returns nested
+lists. Where joints mimic others the algorithms run on every joint and the result is projected:
+with joint positions A q + b, M = Aᵀ M_joints A, and so on.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+from mcgee.algorithms.aba import aba
+from mcgee.algorithms.coriolis import christoffel as christoffel_symbols
+from mcgee.algorithms.coriolis import coriolis_matrix as coriolis_matrix_of_joints
+from mcgee.algorithms.coriolis import coriolis_product as coriolis_product_of_joints
+from mcgee.algorithms.crba import crba
+from mcgee.algorithms.definition import definition
+from mcgee.algorithms.energy import kinetic_energy as kinetic_energy_of_joints
+from mcgee.algorithms.energy import potential_energy as potential_energy_of_joints
+from mcgee.algorithms.gravity import gravity_force
+from mcgee.algorithms.kinematics import frame_jacobian, frame_pose
+from mcgee.algorithms.linear import inverse, solve
+from mcgee.algorithms.rnea import rnea
+from mcgee.mechanism import Mechanism
+from mcgee.scalar import Scalar
+
+Coordinates = Sequence[Scalar]
+
+
+def mass_matrix(m: Mechanism, q: Coordinates) -> list[list[Scalar]]:
+    return _project(m, crba(m, m.joint_space(q)), 2)
+
+
+def mass_matrix_by_definition(m: Mechanism, q: Coordinates) -> list[list[Scalar]]:
+    return _project(m, definition(m, m.joint_space(q)), 2)
+
+
+def mass_matrix_inverse(m: Mechanism, q: Coordinates) -> list[list[Scalar]]:
+    return inverse(mass_matrix(m, q))
+
+
+def coriolis(m: Mechanism, q: Coordinates, qd: Coordinates) -> list[Scalar]:
+    return inverse_dynamics(_weightless(m), q, qd, [0] * m.n)
+
+
+def coriolis_matrix(m: Mechanism, q: Coordinates, qd: Coordinates) -> list[list[Scalar]]:
+    return _project(m, coriolis_matrix_of_joints(m, m.joint_space(q), m.joint_space(qd)), 2)
+
+
+def coriolis_product(m: Mechanism, q: Coordinates, qd: Coordinates, v: Coordinates) -> list[Scalar]:
+    joints = coriolis_product_of_joints(m, m.joint_space(q), m.joint_space(qd), m.joint_space(v))
+    return _project(m, joints, 1)
+
+
+def christoffel(m: Mechanism, q: Coordinates) -> list[list[list[Scalar]]]:
+    return _project(m, christoffel_symbols(m, m.joint_space(q)), 3)
+
+
+def gravity(m: Mechanism, q: Coordinates) -> list[Scalar]:
+    return _project(m, gravity_force(m, m.joint_space(q)), 1)
+
+
+def terms(
+    m: Mechanism, q: Coordinates, qd: Coordinates
+) -> tuple[list[list[Scalar]], list[Scalar], list[Scalar]]:
+    return mass_matrix(m, q), coriolis(m, q, qd), gravity(m, q)
+
+
+def inverse_dynamics(
+    m: Mechanism, q: Coordinates, qd: Coordinates, qdd: Coordinates
+) -> list[Scalar]:
+    return _project(m, rnea(m, m.joint_space(q), m.joint_space(qd), m.joint_space(qdd)), 1)
+
+
+def forward_dynamics(
+    m: Mechanism, q: Coordinates, qd: Coordinates, tau: Coordinates
+) -> list[Scalar]:
+    if not m.coupled:
+        return aba(m, q, qd, tau)
+    bias = inverse_dynamics(m, q, qd, [0] * m.n)
+    return solve(mass_matrix(m, q), [t - b for t, b in zip(tau, bias, strict=True)])
+
+
+def kinetic_energy(m: Mechanism, q: Coordinates, qd: Coordinates) -> Scalar:
+    return kinetic_energy_of_joints(m, m.joint_space(q), m.joint_space(qd))
+
+
+def potential_energy(m: Mechanism, q: Coordinates) -> Scalar:
+    return potential_energy_of_joints(m, m.joint_space(q))
+
+
+def forward_kinematics(m: Mechanism, q: Coordinates, frame: str) -> list[list[Scalar]]:
+    pose = frame_pose(m, m.joint_space(q), frame)
+    rows = [[*row, x] for row, x in zip(pose.rotation, pose.translation, strict=True)]
+    return [*rows, [0, 0, 0, 1]]
+
+
+def jacobian(m: Mechanism, q: Coordinates, frame: str) -> list[list[Scalar]]:
+    return [_project(m, row, 1) for row in frame_jacobian(m, m.joint_space(q), frame)]
+
+
+def _weightless(m: Mechanism) -> Mechanism:
+    return Mechanism(m.bodies, m.masses, m.frames, (0, 0, 0), m.n)
+
+
+def _project(m: Mechanism, array: Any, axes: int) -> Any:
+    """From joints to coordinates along each of the leading axes: the transpose of joint_space."""
+    if not m.coupled:
+        return array
+    if axes > 1:
+        array = [_project(m, row, axes - 1) for row in array]
+    rows: list[Any] = [None] * m.n
+    for body, row in zip(m.bodies, array, strict=True):
+        row, k = _scaled(row, body.multiplier), body.coordinate
+        rows[k] = row if rows[k] is None else _sum(rows[k], row)
+    return rows
+
+
+def _scaled(x: Any, k: Scalar) -> Any:
+    if k == 1:
+        return x
+    return [_scaled(v, k) for v in x] if isinstance(x, list) else x * k
+
+
+def _sum(a: Any, b: Any) -> Any:
+    return [_sum(x, y) for x, y in zip(a, b, strict=True)] if isinstance(a, list) else a + b

@@ -1,0 +1,426 @@
+"""The robot a user holds: its description, and the terms of its equation of motion.
+
+M(q) qdd + C(q, qd) qd + g(q) = tau
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import warnings as python_warnings
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from mcgee import validate
+from mcgee.errors import ModelWarning
+from mcgee.kernels import callable_for, quantity
+from mcgee.mechanism import GROUND, Mechanism, depth_first, reduce
+from mcgee.model import Frame, Inertia, Joint, Link, Mimic, Pose, Vec3, is_number
+from mcgee.scalar import Scalar
+
+EARTH: Vec3 = (0.0, 0.0, -9.81)
+
+
+class Limits(NamedTuple):
+    """Of each joint, (n,) each; infinite where the description sets none."""
+
+    lower: np.ndarray
+    upper: np.ndarray
+    velocity: np.ndarray
+    effort: np.ndarray
+
+
+class Terms(NamedTuple):
+    """M (..., n, n), C qd (..., n) and g (..., n) of one state or a batch."""
+
+    M: np.ndarray
+    Cqd: np.ndarray
+    g: np.ndarray
+
+
+@dataclass(frozen=True, repr=False)
+class Robot:
+    """A tree of links on a fixed base. Immutable; made by `load`, `from_dh` or `mcgee.arms`.
+
+    Arrays are float64 in SI units, leading dimensions broadcast, and n is the number of
+    independent joints. Every quantity is a NumPy gufunc: lists are accepted, out= is filled, a row
+    with a NaN among its inputs gives NaN. Joint friction is kept as data and is no part of the
+    equation of motion; armature is part of M.
+    """
+
+    name: str
+    links: tuple[Link, ...]
+    joints: tuple[Joint, ...]
+    frames: tuple[Frame, ...] = ()
+    gravity_vector: Vec3 = EARTH
+    warnings: tuple[str, ...] = field(default=(), compare=False)
+
+    def __post_init__(self) -> None:
+        validate.check(self.name, self.links, self.joints, self.frames, self.gravity_vector)
+
+    # -- what it is -------------------------------------------------------------------------------
+
+    @cached_property
+    def mechanism(self) -> Mechanism:
+        """The robot as the algorithms see it: fixed joints merged, every axis a z axis."""
+        return reduce(self.links, self.joints, self.frames, self.gravity_vector)
+
+    @cached_property
+    def independent_joints(self) -> tuple[Joint, ...]:
+        """The joints whose positions are q, in q's order: depth first."""
+        return tuple(
+            joint
+            for joint in depth_first(self.links, self.joints)
+            if joint.moves and joint.mimic is None
+        )
+
+    @property
+    def n(self) -> int:
+        """The number of independent joints."""
+        return len(self.independent_joints)
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        return tuple(joint.name for joint in self.independent_joints)
+
+    @property
+    def link_names(self) -> tuple[str, ...]:
+        return tuple(link.name for link in self.links)
+
+    @property
+    def frame_names(self) -> tuple[str, ...]:
+        """What `forward_kinematics` and `jacobian` know: every link's frame, and named frames."""
+        return tuple(self.mechanism.frames)
+
+    @cached_property
+    def end_frame(self) -> str:
+        """The frame with the most moving joints between it and the base, the last one of equals."""
+
+        def depth(name: str) -> int:
+            body, joints = self.mechanism.frames[name][0], 0
+            while body != GROUND:
+                body, joints = self.mechanism.bodies[body].parent, joints + 1
+            return joints
+
+        return max(reversed(self.frame_names), key=depth)
+
+    @cached_property
+    def limits(self) -> Limits:
+        """Lower and upper positions [rad | m], speeds [rad/s | m/s] and efforts [N·m | N]."""
+        columns = (
+            [getattr(joint, what) for joint in self.independent_joints] for what in Limits._fields
+        )
+        arrays = [np.array(column, float) for column in columns]
+        for array in arrays:
+            array.flags.writeable = False
+        return Limits(*arrays)
+
+    @cached_property
+    def symbols(self) -> tuple[str, ...]:
+        """The names of parameters that are still symbols; kernels need none."""
+        found: set[str] = set()
+
+        def collect(x: Scalar) -> Scalar:
+            found.update(str(symbol) for symbol in getattr(x, "free_symbols", ()))
+            return x
+
+        self.mechanism.map(collect)
+        return tuple(sorted(found))
+
+    def __repr__(self) -> str:
+        kinds = Counter(joint.kind for joint in self.independent_joints)
+        joints = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
+        mass = sum(m.inertia.mass for m in self.mechanism.masses)
+        weight = f"{mass:.4g} kg" if is_number(mass) else f"{mass} kg"
+        field_ = ", ".join(f"{v:g}" if is_number(v) else str(v) for v in self.gravity_vector)
+        return (
+            f"Robot '{self.name}': {joints} joint{'s' if self.n > 1 else ''}, {weight} moving, "
+            f"gravity ({field_}) m/s², end frame '{self.end_frame}'"
+        )
+
+    def __str__(self) -> str:
+        width = max(len(name) for name in self.joint_names)
+        lines = [repr(self)]
+        for joint in self.independent_joints:
+            unit = "m" if joint.kind == "prismatic" else "rad"
+            span = "unlimited"
+            if math.isfinite(joint.lower) or math.isfinite(joint.upper):
+                span = f"{joint.lower:.4g} to {joint.upper:.4g} {unit}"
+            lines.append(f"  {joint.name:<{width}}  {joint.kind:<10}  {span}")
+        return "\n".join(lines)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
+
+    # -- changed copies ---------------------------------------------------------------------------
+
+    def replace(
+        self,
+        *,
+        name: str | None = None,
+        gravity_vector: Sequence[Scalar] | None = None,
+        armature: Mapping[str, Scalar] | None = None,
+        viscous: Mapping[str, Scalar] | None = None,
+        coulomb: Mapping[str, Scalar] | None = None,
+    ) -> Robot:
+        """A changed copy.
+
+        Args:
+            gravity_vector: the field in the root frame (3,) [m/s²]
+            armature, viscous, coulomb: by joint name, for the joints to change
+        Raises: ValueError: a joint that does not exist
+        """
+        joints = {joint.name: joint for joint in self.joints}
+        for what, values in (("armature", armature), ("viscous", viscous), ("coulomb", coulomb)):
+            for joint, value in (values or {}).items():
+                if joint not in joints:
+                    raise ValueError(
+                        f"{what} names joint '{joint}', which robot '{self.name}' has not. "
+                        f"Joints: {', '.join(joints)}."
+                    )
+                joints[joint] = dataclasses.replace(joints[joint], **{what: plain(value)})
+        field_ = self.gravity_vector if gravity_vector is None else gravity_vector
+        return dataclasses.replace(
+            self,
+            name=self.name if name is None else name,
+            gravity_vector=tuple(plain(v) for v in field_),
+            joints=tuple(joints.values()),
+        )
+
+    def subs(self, values: Mapping[Any, Scalar]) -> Robot:
+        """A copy with symbolic parameters replaced by numbers or SymPy expressions.
+
+        Args:
+            values: by symbol or by symbol name
+        Raises: ValueError: a name that is no symbol of this robot
+        """
+        named = {str(symbol): value for symbol, value in values.items()}
+        for name in named:
+            if name not in self.symbols:
+                known = ", ".join(self.symbols) or "none; all its parameters are numbers"
+                raise ValueError(
+                    f"robot '{self.name}' has no symbol '{name}'. Its symbols: {known}."
+                )
+
+        def put(x: Any) -> Any:
+            if not hasattr(x, "free_symbols"):
+                return x
+            return plain(x.subs([(s, named[str(s)]) for s in x.free_symbols if str(s) in named]))
+
+        fields = ("links", "joints", "frames", "gravity_vector")
+        return dataclasses.replace(self, **{f: _mapped(getattr(self, f), put) for f in fields})
+
+    # -- the equation of motion -------------------------------------------------------------------
+
+    @quantity
+    def mass_matrix(self, q: Any, **ufunc: Any) -> np.ndarray:
+        """M(q), the inertia matrix.
+
+        Args:
+            q: joint positions (..., n) [rad | m]
+        Returns: (..., n, n) [kg·m², kg·m, kg], symmetric; positive definite when every joint moves
+            something physical
+        Raises: ValueError: the last dimension is not n
+        Equals: ∂²T/∂qd∂qd, and column j of it inverse_dynamics(q, 0, e_j) − gravity(q)
+        Source: Walker & Orin 1982; Featherstone 2008, table 6.2
+        """
+        raise NotImplementedError
+
+    @quantity
+    def mass_matrix_inverse(self, q: Any, **ufunc: Any) -> np.ndarray:
+        """M(q)⁻¹: the accelerations that unit efforts cause.
+
+        Args:
+            q: joint positions (..., n) [rad | m]
+        Returns: (..., n, n), symmetric
+        Source: LᵀDL factors from the leaves, Featherstone 2008, section 6.5
+        """
+        raise NotImplementedError
+
+    @quantity
+    def coriolis(self, q: Any, qd: Any, **ufunc: Any) -> np.ndarray:
+        """C(q, qd) qd: centrifugal and Coriolis efforts.
+
+        Args:
+            q, qd: joint positions and velocities (..., n) [rad | m], [rad/s | m/s]
+        Returns: (..., n) [N·m | N]
+        Equals: coriolis_matrix(q, qd) @ qd
+        """
+        raise NotImplementedError
+
+    @quantity
+    def coriolis_matrix(self, q: Any, qd: Any, **ufunc: Any) -> np.ndarray:
+        """C(q, qd) by the Christoffel symbols, so that Ṁ − 2C is skew-symmetric.
+
+        Args:
+            q, qd: joint positions and velocities (..., n)
+        Returns: (..., n, n), C_ij = Σ_k c_ijk qd_k
+        Source: Echeandia & Wensing 2021, algorithm 1. Cost: O(n²)
+        """
+        raise NotImplementedError
+
+    @quantity
+    def coriolis_product(self, q: Any, qd: Any, v: Any, **ufunc: Any) -> np.ndarray:
+        """C(q, qd) v for a second velocity v, as passivity-based control needs it.
+
+        Args:
+            q, qd, v: (..., n)
+        Returns: (..., n)
+        Equals: coriolis_matrix(q, qd) @ v, and C(q, v) qd: the symbols are symmetric
+        Cost: O(n)
+        """
+        raise NotImplementedError
+
+    @quantity
+    def christoffel(self, q: Any, **ufunc: Any) -> np.ndarray:
+        """c_ijk = ½(∂M_ij/∂q_k + ∂M_ik/∂q_j − ∂M_jk/∂q_i), symbols of the first kind.
+
+        Args:
+            q: joint positions (..., n)
+        Returns: (..., n, n, n), symmetric in j and k
+        Source: Echeandia & Wensing 2021, algorithm 2
+        """
+        raise NotImplementedError
+
+    @quantity
+    def gravity(self, q: Any, **ufunc: Any) -> np.ndarray:
+        """g(q): the efforts that hold the arm still.
+
+        Args:
+            q: joint positions (..., n)
+        Returns: (..., n) [N·m | N]
+        Equals: ∂P/∂q, and inverse_dynamics(q, 0, 0)
+        """
+        raise NotImplementedError
+
+    @quantity
+    def inverse_dynamics(self, q: Any, qd: Any, qdd: Any, **ufunc: Any) -> np.ndarray:
+        """Joint efforts that produce the accelerations qdd.
+
+        Args:
+            q, qd, qdd: joint positions, velocities, accelerations (..., n)
+        Returns: (..., n) [N·m | N]
+        Equals: mass_matrix(q) @ qdd + coriolis(q, qd) + gravity(q)
+        Source: Luh, Walker & Paul 1980; Featherstone 2008, table 5.1. Cost: O(n)
+        """
+        raise NotImplementedError
+
+    @quantity
+    def forward_dynamics(self, q: Any, qd: Any, tau: Any, **ufunc: Any) -> np.ndarray:
+        """Accelerations that the joint efforts tau cause.
+
+        Args:
+            q, qd: joint positions and velocities (..., n); tau: efforts (..., n) [N·m | N]
+        Returns: (..., n) [rad/s² | m/s²]
+        Equals: mass_matrix_inverse(q) @ (tau − coriolis(q, qd) − gravity(q))
+        Source: Featherstone 1983 and 2008, table 7.1. Cost: O(n); with mimic joints O(n³)
+        """
+        raise NotImplementedError
+
+    @quantity
+    def kinetic_energy(self, q: Any, qd: Any, **ufunc: Any) -> np.ndarray:
+        """T = ½ qdᵀ M(q) qd.
+
+        Args:
+            q, qd: joint positions and velocities (..., n)
+        Returns: (...) [J]
+        """
+        raise NotImplementedError
+
+    @quantity
+    def potential_energy(self, q: Any, **ufunc: Any) -> np.ndarray:
+        """P(q) = −Σ m_k gravity_vector · CoM_k over the moving links.
+
+        Args:
+            q: joint positions (..., n)
+        Returns: (...) [J], zero at the height of the root frame's origin
+        """
+        raise NotImplementedError
+
+    def terms(self, q: Any, qd: Any, **ufunc: Any) -> Terms:
+        """M(q), C(q, qd) qd and g(q) from one kernel.
+
+        Args:
+            q, qd: joint positions and velocities (..., n)
+        Returns: a named tuple (M, Cqd, g) of (..., n, n), (..., n), (..., n)
+        """
+        return Terms(*self._bound("terms")(q, qd, **ufunc))
+
+    def forward_kinematics(self, q: Any, frame: str | None = None, **ufunc: Any) -> np.ndarray:
+        """The pose of a frame in the root frame.
+
+        Args:
+            q: joint positions (..., n)
+            frame: one of `frame_names`; `end_frame` by default
+        Returns: homogeneous matrices (..., 4, 4), translations in m
+        Raises: ValueError: an unknown frame
+        """
+        return self._bound("forward_kinematics", self._frame(frame))(q, **ufunc)
+
+    def jacobian(self, q: Any, frame: str | None = None, **ufunc: Any) -> np.ndarray:
+        """From joint velocities to a frame's velocity: linear rows first, then angular.
+
+        Args:
+            q: joint positions (..., n)
+            frame: one of `frame_names`; `end_frame` by default
+        Returns: (..., 6, n), in the root frame's axes, at the frame's origin
+        Raises: ValueError: an unknown frame
+        """
+        return self._bound("jacobian", self._frame(frame))(q, **ufunc)
+
+    def _bound(self, name: str, *options: str) -> Any:
+        known = self.__dict__.setdefault("_calls", {})
+        call = known.get((name, options))
+        if call is None:
+            call = known[name, options] = callable_for(self, name, *options)
+        return call
+
+    def _frame(self, frame: str | None) -> str:
+        name = self.end_frame if frame is None else frame
+        if name not in self.mechanism.frames:
+            raise ValueError(
+                f"frame is {frame!r}, which robot '{self.name}' has not. "
+                f"Frames: {', '.join(self.frame_names)}."
+            )
+        return name
+
+
+def described(
+    name: str,
+    links: tuple[Link, ...],
+    joints: tuple[Joint, ...],
+    frames: tuple[Frame, ...] = (),
+    gravity_vector: Vec3 = EARTH,
+    remarks: tuple[str, ...] = (),
+) -> Robot:
+    """A robot fresh from a description; what looks wrong in it is said as ModelWarnings.
+
+    remarks: what the reader of the description itself found odd, one sentence each.
+    """
+    robot = Robot(name, links, joints, frames, gravity_vector)
+    sentences = (*remarks, *validate.suspicions(links, joints))
+    for sentence in sentences:
+        python_warnings.warn(sentence, ModelWarning, stacklevel=3)
+    return dataclasses.replace(robot, warnings=sentences)
+
+
+def plain(x: Scalar) -> Scalar:
+    """NumPy and SymPy numbers as floats; symbols as they are."""
+    if getattr(x, "free_symbols", None):
+        return x
+    return float(x)
+
+
+def _mapped(x: Any, put: Any) -> Any:
+    """Every number of a description replaced."""
+    if isinstance(x, (Link, Joint, Frame, Pose, Inertia, Mimic)):
+        changed = {f.name: _mapped(getattr(x, f.name), put) for f in dataclasses.fields(x)}
+        return dataclasses.replace(x, **changed)
+    if isinstance(x, tuple):
+        return tuple(_mapped(v, put) for v in x)
+    return put(x)

@@ -1,0 +1,128 @@
+"""What the physics asks of a scalar: +, -, *, / and a cosine with its sine.
+
+Algorithms run on any type that has these: float, NumPy arrays, graph nodes, `fractions.Fraction`,
+mpmath, SymPy, casadi.SX, exact polynomials.
+"""
+
+import math
+import re
+import sys
+from dataclasses import dataclass
+from typing import Any
+
+Scalar = Any
+"""A number, or anything that behaves like one."""
+
+
+def cos_sin(x: Scalar) -> tuple[Scalar, Scalar]:
+    """(cos x, sin x) by the scalar's own method `cos_sin`, or else by the library it comes from."""
+    if isinstance(x, (float, int)):
+        return math.cos(x), math.sin(x)
+    own = getattr(x, "cos_sin", None)
+    if own is not None:
+        return own()
+    library = sys.modules[type(x).__module__.partition(".")[0]]
+    return library.cos(x), library.sin(x)
+
+
+@dataclass(frozen=True)
+class Turn:
+    """An angle known by its cosine and sine alone.
+
+    Exact scalars have no transcendental functions; they enter the physics as points of the unit
+    circle, such as `Turn(Fraction(3, 5), Fraction(4, 5))`, or as the generators c, s of a
+    polynomial ring.
+    """
+
+    c: Scalar
+    s: Scalar
+
+    def cos_sin(self) -> tuple[Scalar, Scalar]:
+        return self.c, self.s
+
+    def __add__(self, other: "Turn") -> "Turn":
+        return Turn(self.c * other.c - self.s * other.s, self.s * other.c + self.c * other.s)
+
+    def __neg__(self) -> "Turn":
+        return Turn(self.c, -self.s)
+
+    def __mul__(self, times: Scalar) -> "Turn":
+        if times != int(times):
+            raise ValueError(f"a Turn can be repeated a whole number of times, not {times}")
+        step = self if times > 0 else -self
+        turn = Turn(self.c * 0 + 1, self.s * 0)
+        for _ in range(abs(int(times))):
+            turn = turn + step
+        return turn
+
+    __rmul__ = __mul__
+
+
+# -- constant angles ------------------------------------------------------------------------------
+
+_R2, _R3, _R6 = math.sqrt(0.5), math.sqrt(0.75), math.sqrt(6.0)
+_COS15 = (_R6 + math.sqrt(2.0)) / 4
+_SIN15 = (_R6 - math.sqrt(2.0)) / 4
+# cosines of k 15 degrees, k = 0 … 6
+_TWELFTHS = (1.0, _COS15, _R3, _R2, 0.5, _SIN15, 0.0)
+
+
+def constant_cos_sin(angle: Scalar) -> tuple[Scalar, Scalar]:
+    """(cos, sin) of a constant; exact where a float is k pi/12 to its last bits."""
+    if not isinstance(angle, (float, int)):
+        return cos_sin(angle)
+    k = _twelfth(angle)
+    return (_cos_twelfth(k), _cos_twelfth(k - 6)) if k is not None else cos_sin(angle)
+
+
+def _twelfth(angle: float) -> int | None:
+    """k where the angle is k pi/12 to within four units in the last place, else None."""
+    if not math.isfinite(angle) or abs(angle) > 1e3:
+        return None
+    k = round(angle * 12 / math.pi)
+    return k if abs(angle - k * math.pi / 12) <= 4 * math.ulp(abs(angle)) else None
+
+
+def _cos_twelfth(k: int) -> float:
+    k = abs(k) % 24
+    k = min(k, 24 - k)
+    return _TWELFTHS[k] if k <= 6 else -_TWELFTHS[12 - k]
+
+
+_DECIMAL = re.compile(r"[-+]?(\d*)\.?(\d*)(?:[eE][-+]?\d+)?$")
+ENOUGH_DIGITS = 8
+
+
+def read_angle(text: str) -> tuple[float, str | None]:
+    """The angle that a decimal text means, and a remark where the text is a poor rounding.
+
+    Descriptions write pi/2 as 1.57079632679. Where the text is a multiple of pi/12 rounded (or
+    cut) to its own digits, eight or more, the exact angle is meant and returned; with fewer digits
+    the written value is kept and the remark says so.
+
+    Raises: ValueError: the text is not a number
+    """
+    value = float(text)
+    k = round(value * 12 / math.pi) if abs(value) <= 1e3 else 0
+    match = _DECIMAL.match(text.strip())
+    if k == 0 or match is None:
+        return value, None
+    exact = k * math.pi / 12
+    digits = len((match[1] + match[2]).lstrip("0"))
+    # rounded or cut: within one unit of the last written digit
+    unit = 10.0 ** (math.floor(math.log10(abs(value))) + 1 - digits)
+    if digits < 3 or abs(value - exact) > max(unit, 4 * math.ulp(exact)):
+        return value, None
+    if digits >= ENOUGH_DIGITS:
+        return exact, None
+    return value, (
+        f"angle {text.strip()} is taken as written; {_name_twelfth(k)} needs at least "
+        f"{ENOUGH_DIGITS} digits ({exact:.11g})"
+    )
+
+
+def _name_twelfth(k: int) -> str:
+    divisor = math.gcd(k, 12)
+    top, bottom = abs(k) // divisor, 12 // divisor
+    sign = "-" if k < 0 else ""
+    return f"{sign}{top if top > 1 else ''}pi{f'/{bottom}' if bottom > 1 else ''}"

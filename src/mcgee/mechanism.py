@@ -10,9 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
-from mcgee.model import Frame, Inertia, Joint, Link, Pose, Vec3, frame_on_axis
+from mcgee.model import Frame, Inertia, Joint, Link, Pose, Vec3, frame_on_axis, map_numbers
 from mcgee.scalar import Scalar
 
 GROUND = -1
@@ -61,7 +60,7 @@ class Mechanism:
 
     def map(self, convert: Callable[[Scalar], Scalar]) -> Mechanism:
         """The same mechanism with every number converted: to fractions.Fraction, say."""
-        return _map(self, convert)
+        return map_numbers(self, convert)
 
     def joint_space(self, x: Sequence[Scalar]) -> list[Scalar]:
         """Each body's own joint position or velocity from the coordinates."""
@@ -69,29 +68,6 @@ class Mechanism:
             x[b.coordinate] if b.multiplier == 1 else x[b.coordinate] * b.multiplier
             for b in self.bodies
         ]
-
-
-def _map(x: Any, convert: Callable[[Scalar], Scalar]) -> Any:
-    if isinstance(x, Mechanism):
-        return replace(
-            x,
-            bodies=_map(x.bodies, convert),
-            masses=_map(x.masses, convert),
-            frames={name: (i, _map(pose, convert)) for name, (i, pose) in x.frames.items()},
-            gravity=_map(x.gravity, convert),
-        )
-    if isinstance(x, Body):
-        fields = ("pose", "mass", "first_moment", "inertia", "armature", "multiplier")
-        return replace(x, **{name: _map(getattr(x, name), convert) for name in fields})
-    if isinstance(x, Mass):
-        return replace(x, inertia=_map(x.inertia, convert))
-    if isinstance(x, Inertia):
-        return Inertia(*(_map(v, convert) for v in (x.mass, x.com, x.about_com)))
-    if isinstance(x, Pose):
-        return Pose(_map(x.rotation, convert), _map(x.translation, convert))
-    if isinstance(x, tuple):
-        return tuple(_map(v, convert) for v in x)
-    return convert(x)
 
 
 def depth_first(links: Sequence[Link], joints: Sequence[Joint]) -> list[Joint]:
@@ -141,26 +117,9 @@ def reduce(
         pose = seat @ joint.pose
         if joint.moves:
             leader, multiplier, offset = coordinate_of(joint, by_name)
-            on_axis = frame_on_axis(joint.axis)
-            pose, i, parent = pose @ on_axis, len(bodies), i
-            prismatic = joint.kind == "prismatic"
-            if joint.mimic is not None:
-                pose = pose @ (Pose.at(z=offset) if prismatic else Pose.about("z", offset))
-            bodies.append(
-                Body(
-                    joint.name,
-                    parent,
-                    pose,
-                    prismatic,
-                    0.0,
-                    (0.0, 0.0, 0.0),
-                    (0.0,) * 6,
-                    joint.armature,
-                    independent.index(leader),
-                    multiplier,
-                )
-            )
-            pose = on_axis.inverse()
+            coordinate = independent.index(leader)
+            bodies.append(_empty_body(joint, i, pose, coordinate, multiplier, offset))
+            i, pose = len(bodies) - 1, frame_on_axis(joint.axis).inverse()
         seats[joint.child] = (i, pose @ joint.child_pose)
     masses = tuple(
         Mass(link.name, seats[link.name][0], link.inertia.seen_from(seats[link.name][1]))
@@ -173,6 +132,27 @@ def reduce(
         frame.name: (seats[frame.link][0], seats[frame.link][1] @ frame.pose) for frame in frames
     }
     return Mechanism(tuple(bodies), masses, seats | seats_of_frames, gravity, len(independent))
+
+
+def _empty_body(
+    joint: Joint, parent: int, pose: Pose, coordinate: int, multiplier: Scalar, offset: Scalar
+) -> Body:
+    """The body that a joint moves, before any link gives it mass; pose is the joint's frame."""
+    pose, prismatic = pose @ frame_on_axis(joint.axis), joint.kind == "prismatic"
+    if joint.mimic is not None:
+        pose = pose @ (Pose.at(z=offset) if prismatic else Pose.about("z", offset))
+    return Body(
+        name=joint.name,
+        parent=parent,
+        pose=pose,
+        prismatic=prismatic,
+        mass=0.0,
+        first_moment=(0.0, 0.0, 0.0),
+        inertia=(0.0,) * 6,
+        armature=joint.armature,
+        coordinate=coordinate,
+        multiplier=multiplier,
+    )
 
 
 def _with_mass(body: Body, added: Inertia) -> Body:

@@ -5,10 +5,11 @@ Numbers are floats, or symbols where the author of a textbook arm wants them.
 
 from __future__ import annotations
 
+import dataclasses
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 from mcgee.scalar import Scalar, constant_cos_sin
 
@@ -182,6 +183,20 @@ class Frame:
     name: str
     link: str
     pose: Pose = Pose()
+
+
+def map_numbers(x: Any, convert: Callable[[Scalar], Scalar]) -> Any:
+    """Frozen data with every number in it converted; counts and indices (int) stay."""
+    if dataclasses.is_dataclass(x) and not isinstance(x, type):
+        names = (field.name for field in dataclasses.fields(x))
+        return dataclasses.replace(
+            x, **{name: map_numbers(getattr(x, name), convert) for name in names}
+        )
+    if isinstance(x, tuple):
+        return tuple(map_numbers(v, convert) for v in x)
+    if isinstance(x, dict):
+        return {key: map_numbers(v, convert) for key, v in x.items()}
+    return x if x is None or isinstance(x, (str, int)) else convert(x)
 
 
 def is_number(x: Scalar) -> bool:

@@ -27,7 +27,7 @@ Coordinates = Sequence[Scalar]
 
 
 def mass_matrix(m: Mechanism, q: Coordinates) -> list[list[Scalar]]:
-    return _project(m, crba(m, m.joint_space(q)), 2)
+    return _mirrored(_project(m, crba(m, m.joint_space(q)), 2))
 
 
 def mass_matrix_by_definition(m: Mechanism, q: Coordinates) -> list[list[Scalar]]:
@@ -52,7 +52,7 @@ def coriolis_product(m: Mechanism, q: Coordinates, qd: Coordinates, v: Coordinat
 
 
 def christoffel(m: Mechanism, q: Coordinates) -> list[list[list[Scalar]]]:
-    return _project(m, christoffel_symbols(m, m.joint_space(q)), 3)
+    return [_mirrored(c) for c in _project(m, christoffel_symbols(m, m.joint_space(q)), 3)]
 
 
 def gravity(m: Mechanism, q: Coordinates) -> list[Scalar]:
@@ -113,6 +113,11 @@ def _project(m: Mechanism, array: Any, axes: int) -> Any:
         row, k = _scaled(row, body.multiplier), body.coordinate
         rows[k] = row if rows[k] is None else _sum(rows[k], row)
     return rows
+
+
+def _mirrored(rows: list[list[Scalar]]) -> list[list[Scalar]]:
+    """Symmetric to the last bit: a projection adds up mirrored elements in different orders."""
+    return [[rows[max(i, j)][min(i, j)] for j in range(len(rows))] for i in range(len(rows))]
 
 
 def _scaled(x: Any, k: Scalar) -> Any:

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-import warnings as python_warnings
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -17,11 +16,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mcgee import validate
-from mcgee.errors import ModelWarning
 from mcgee.kernels import callable_for, quantity
 from mcgee.mechanism import GROUND, Mechanism, depth_first, reduce
-from mcgee.model import Frame, Inertia, Joint, Link, Mimic, Pose, Vec3, is_number
-from mcgee.scalar import Scalar
+from mcgee.model import Frame, Joint, Link, Vec3, is_number, map_numbers
+from mcgee.scalar import Scalar, plain
 
 EARTH: Vec3 = (0.0, 0.0, -9.81)
 
@@ -213,7 +211,7 @@ class Robot:
             return plain(x.subs([(s, named[str(s)]) for s in x.free_symbols if str(s) in named]))
 
         fields = ("links", "joints", "frames", "gravity_vector")
-        return dataclasses.replace(self, **{f: _mapped(getattr(self, f), put) for f in fields})
+        return dataclasses.replace(self, **{f: map_numbers(getattr(self, f), put) for f in fields})
 
     # -- the equation of motion -------------------------------------------------------------------
 
@@ -388,39 +386,3 @@ class Robot:
                 f"Frames: {', '.join(self.frame_names)}."
             )
         return name
-
-
-def described(
-    name: str,
-    links: tuple[Link, ...],
-    joints: tuple[Joint, ...],
-    frames: tuple[Frame, ...] = (),
-    gravity_vector: Vec3 = EARTH,
-    remarks: tuple[str, ...] = (),
-) -> Robot:
-    """A robot fresh from a description; what looks wrong in it is said as ModelWarnings.
-
-    remarks: what the reader of the description itself found odd, one sentence each.
-    """
-    robot = Robot(name, links, joints, frames, gravity_vector)
-    sentences = (*remarks, *validate.suspicions(links, joints))
-    for sentence in sentences:
-        python_warnings.warn(sentence, ModelWarning, stacklevel=3)
-    return dataclasses.replace(robot, warnings=sentences)
-
-
-def plain(x: Scalar) -> Scalar:
-    """NumPy and SymPy numbers as floats; symbols as they are."""
-    if getattr(x, "free_symbols", None):
-        return x
-    return float(x)
-
-
-def _mapped(x: Any, put: Any) -> Any:
-    """Every number of a description replaced."""
-    if isinstance(x, (Link, Joint, Frame, Pose, Inertia, Mimic)):
-        changed = {f.name: _mapped(getattr(x, f.name), put) for f in dataclasses.fields(x)}
-        return dataclasses.replace(x, **changed)
-    if isinstance(x, tuple):
-        return tuple(_mapped(v, put) for v in x)
-    return put(x)

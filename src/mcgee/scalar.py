@@ -6,6 +6,7 @@ mpmath, SymPy, casadi.SX, exact polynomials.
 
 import math
 import re
+import struct
 import sys
 from dataclasses import dataclass
 from typing import Any
@@ -23,6 +24,13 @@ def cos_sin(x: Scalar) -> tuple[Scalar, Scalar]:
         return own()
     library = sys.modules[type(x).__module__.partition(".")[0]]
     return library.cos(x), library.sin(x)
+
+
+def plain(x: Scalar) -> Scalar:
+    """NumPy and SymPy numbers as floats; symbols as they are."""
+    if getattr(x, "free_symbols", None):
+        return x
+    return float(x)
 
 
 @dataclass(frozen=True)
@@ -97,8 +105,8 @@ def read_angle(text: str) -> tuple[float, str | None]:
     """The angle that a decimal text means, and a remark where the text is a poor rounding.
 
     Descriptions write pi/2 as 1.57079632679. Where the text is a multiple of pi/12 rounded (or
-    cut) to its own digits, eight or more, the exact angle is meant and returned; with fewer digits
-    the written value is kept and the remark says so.
+    cut) to its own digits, eight or more, or is that multiple in float32, the exact angle is meant
+    and returned; with fewer digits the written value is kept and the remark says so.
 
     Raises: ValueError: the text is not a number
     """
@@ -109,12 +117,14 @@ def read_angle(text: str) -> tuple[float, str | None]:
         return value, None
     exact = k * math.pi / 12
     digits = len((match[1] + match[2]).lstrip("0"))
-    # rounded or cut: within one unit of the last written digit
-    unit = 10.0 ** (math.floor(math.log10(abs(value))) + 1 - digits)
-    if digits < 3 or abs(value - exact) > max(unit, 4 * math.ulp(exact)):
-        return value, None
-    if digits >= ENOUGH_DIGITS:
+    unit = 10.0 ** (math.floor(math.log10(abs(value))) + 1 - digits)  # of the last digit
+    over, slack = abs(value) - abs(exact), 4 * math.ulp(exact)
+    rounded_or_cut = -unit - slack <= over <= unit / 2 + slack
+    single = struct.unpack("f", struct.pack("f", exact))[0]  # what float32 makes of it
+    if value == single or (rounded_or_cut and digits >= ENOUGH_DIGITS):
         return exact, None
+    if digits < 3 or not rounded_or_cut:
+        return value, None
     return value, (
         f"angle {text.strip()} is taken as written; {_name_twelfth(k)} needs at least "
         f"{ENOUGH_DIGITS} digits ({exact:.11g})"

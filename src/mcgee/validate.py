@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from mcgee.errors import ModelError
-from mcgee.mechanism import GROUND, reduce
+from mcgee.mechanism import GROUND, Mechanism, reduce
 from mcgee.model import KINDS, Frame, Inertia, Joint, Link, Pose, Vec3, is_number
 from mcgee.scalar import Scalar
 
@@ -34,7 +34,7 @@ def check(
             _check_inertia(link, link.inertia)
     if not any(joint.moves and joint.mimic is None for joint in joints):
         raise ModelError(
-            f"robot '{name}' has no moving joint, so it has no equation of motion. "
+            f"{links[0].place}robot '{name}' has no moving joint, so it has no equation of motion. "
             f"Make at least one joint revolute, continuous or prismatic."
         )
     _check_moving_links_have_inertia(links, joints)
@@ -135,7 +135,8 @@ def _check_mimics(joints: Sequence[Joint]) -> None:
             if mimic.joint not in by_name:
                 movable = _listed(j.name for j in joints if j.moves)
                 raise ModelError(
-                    f"{at} mimics joint '{mimic.joint}', which does not exist. Joints: {movable}."
+                    f"{at} mimics joint '{mimic.joint}', which does not exist. Joints: {movable}. "
+                    f"mimic=False leaves mimic joints independent."
                 )
             if not by_name[mimic.joint].moves:
                 raise ModelError(f"{at} mimics joint '{mimic.joint}', which is fixed.")
@@ -205,6 +206,8 @@ def _vector(values: Sequence[Scalar]) -> str:
 
 # the share of the largest moment by which rounded figures may break the triangle inequality
 TRIANGLE_ROUNDING = 1e-6
+# kg·m²: what a milligram has at a millimetre; less is a zero in disguise
+NO_MOMENT = 1e-12
 
 
 def suspicions(links: Sequence[Link], joints: Sequence[Joint]) -> Iterator[str]:
@@ -214,32 +217,40 @@ def suspicions(links: Sequence[Link], joints: Sequence[Joint]) -> Iterator[str]:
     for link in links:
         if link.inertia is not None and link.name not in on_ground:
             yield from _suspicious_inertia(link, link.inertia)
-    below = [(body.mass, *body.inertia, body.armature) for body in mechanism.bodies]
-    by_name = {joint.name: joint for joint in joints}
-    for i, body in reversed(list(enumerate(mechanism.bodies))):
-        mass = below[i][0]
-        joint = by_name[body.name]
-        if all(is_number(v) and v == 0 for v in below[i]):
-            yield (
-                f"{joint.place}joint '{joint.name}' moves nothing that has mass or inertia: "
-                f"M is singular and forward dynamics is undefined."
-            )
-        elif is_number(mass) and mass == 0:
-            yield f"{joint.place}the mass below moving joint '{joint.name}' is zero."
-        if body.parent != GROUND:
-            below[body.parent] = tuple(
-                a + b for a, b in zip(below[body.parent], below[i], strict=True)
-            )
+    yield from _weightless(mechanism, {joint.name: joint for joint in joints})
     for joint in joints:
         if joint.lower > joint.upper:
             yield (
                 f"{joint.place}joint '{joint.name}' has lower limit {joint.lower:g} above its "
                 f"upper limit {joint.upper:g}."
             )
-        for what in ("viscous", "coulomb"):
+        for what in ("viscous", "coulomb", "velocity", "effort"):
             value = getattr(joint, what)
             if is_number(value) and value < 0:
-                yield f"{joint.place}joint '{joint.name}' has negative {what} friction {value:g}."
+                yield f"{joint.place}joint '{joint.name}' has negative {what} {value:g}."
+
+
+def _weightless(mechanism: Mechanism, joints: dict[str, Joint]) -> Iterator[str]:
+    """Joints that move no mass; in one sentence those that move nothing at all."""
+    below = [(body.mass, *body.inertia, body.armature) for body in mechanism.bodies]
+    nothing, no_mass = [], []
+    for i, body in reversed(list(enumerate(mechanism.bodies))):
+        if all(is_number(v) and v == 0 for v in below[i]):
+            nothing.append(joints[body.name])
+        elif is_number(below[i][0]) and below[i][0] == 0:
+            no_mass.append(joints[body.name])
+        if body.parent != GROUND:
+            sums = zip(below[body.parent], below[i], strict=True)
+            below[body.parent] = tuple(a + b for a, b in sums)
+    for joint in reversed(no_mass):
+        yield f"{joint.place}the mass below moving joint '{joint.name}' is zero."
+    if nothing:
+        first, others = nothing[-1], len(nothing) - 1
+        also = f" (and {others} other joint{'s' if others > 1 else ''})" if others else ""
+        yield (
+            f"{first.place}joint '{first.name}'{also} moves nothing that has mass or inertia: "
+            f"M is singular and forward dynamics is undefined."
+        )
 
 
 def _suspicious_inertia(link: Link, inertia: Inertia) -> Iterator[str]:
@@ -252,7 +263,7 @@ def _suspicious_inertia(link: Link, inertia: Inertia) -> Iterator[str]:
 
     moments = np.linalg.eigvalsh(np.array(inertia.matrix))
     shown = ", ".join(f"{v:.4g}" for v in moments)
-    allowed = TRIANGLE_ROUNDING * abs(moments).max()
+    allowed = max(TRIANGLE_ROUNDING * abs(moments).max(), NO_MOMENT)
     if moments[0] < -allowed:
         yield (
             f"{at} has an inertia that no body can have: principal moments {shown} kg·m², "

@@ -202,7 +202,7 @@ def christoffel_symbols(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
 @law("C_ij = Σ_k c_ijk qd_k", ROUNDING)
 def coriolis_from_christoffel(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
     c, C = robot.christoffel(q), robot.coriolis_matrix(q, qd)
-    return _apart(C, _times(c, qd[..., None, :]), axes=2)
+    return _apart(C, _times(c, qd[..., None, :]), _inertial_size(robot, q, qd), axes=2)
 
 
 @law("Ṁ − 2C is skew-symmetric", DIFFERENCE)
@@ -232,15 +232,14 @@ def _inertial_size(robot: Robot, q: Array, qd: Array) -> Array:
 @law("C(q, qd) qd is the velocity part of tau", ROUNDING)
 def coriolis_is_C_qd(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
     C, Cqd = robot.coriolis_matrix(q, qd), robot.coriolis(q, qd)
-    size = _dot(abs(C), abs(qd)[..., None, :]).max(-1)
-    return _apart(Cqd, _times(C, qd), size)
+    return _apart(Cqd, _times(C, qd), _inertial_size(robot, q, qd) * abs(qd).max(-1))
 
 
 @law("C(q, qd) v = C(q, v) qd", ROUNDING)
 def coriolis_product_symmetric(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
     C, v = robot.coriolis_matrix(q, qd), qdd
     one, other = robot.coriolis_product(q, qd, v), robot.coriolis_product(q, v, qd)
-    size = _dot(abs(C), abs(v)[..., None, :]).max(-1)
+    size = _inertial_size(robot, q, qd) * abs(v).max(-1)
     return np.maximum(_apart(one, other, size), _apart(one, _times(C, v), size))
 
 
@@ -284,8 +283,7 @@ def forward_undoes_inverse(robot: Robot, q: Array, qd: Array, qdd: Array) -> Arr
 @law("terms gives what mass_matrix, coriolis and gravity give", ROUNDING)
 def terms_are_the_parts(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
     M, Cqd, g = robot.terms(q, qd)
-    C = robot.coriolis_matrix(q, qd)
-    size = _dot(abs(C), abs(qd)[..., None, :]).max(-1)
+    size = _inertial_size(robot, q, qd) * abs(qd).max(-1)
     return np.maximum.reduce(
         [
             _apart(M, robot.mass_matrix(q), axes=2),

@@ -61,9 +61,7 @@ def _common(
 )
 def terms(
     robot: RobotArgument,
-    q: Annotated[
-        str, typer.Option("--q", help=f"Joint positions [rad | m]: {StateOption}.")
-    ] = "",
+    q: Annotated[str, typer.Option("--q", help=f"Joint positions [rad | m]: {StateOption}.")] = "",
     qd: Annotated[
         str, typer.Option("--qd", help="Joint velocities [rad/s | m/s], in the same form.")
     ] = "",

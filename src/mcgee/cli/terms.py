@@ -38,9 +38,9 @@ def print_json(robot: Robot, state: State) -> None:
     print(json.dumps(report, ensure_ascii=False, indent=2))
 
 
-def print_tables(robot: Robot, state: State) -> None:
+def print_tables(robot: Robot, state: State, console: Console | None = None) -> None:
     terms = robot.terms(state.q, state.qd)
-    console = Console(highlight=False, soft_wrap=False)
+    console = console or Console(highlight=False)
     console.print(Text(repr(robot)))
     console.print(_state_table(robot, state, terms))
     for first in range(0, robot.n, COLUMNS):

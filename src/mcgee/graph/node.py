@@ -1,8 +1,9 @@
 """The expression graph: nodes that fold and share themselves as they are made.
 
 A legal graph: every node comes after its arguments; no two nodes are the same operation on the
-same arguments; no argument is a constant that the operation could have folded; a negation is an
-argument of nothing that could absorb its sign. Folding never changes the order of a sum or a
+same arguments, and of a difference and its opposite only one is a node; no argument is a constant
+that the operation could have folded; a negation is an argument of nothing, for every operation
+passes its sign on. Folding never changes the order of a sum or a
 product of non-constants, so a graph computes what its source text said.
 """
 
@@ -123,11 +124,18 @@ class Graph:
     def _plus_constant(self, a: Node, k: float) -> Value:
         if k == 0:
             return a
+        if a.op == "neg":
+            return self._constant_minus(k, a.args[0])
         if a.op == "add" and not isinstance(a.args[0], Node):
             return self._plus_constant(a.args[1], a.args[0] + k)
-        if a.op == "neg":
-            return self._node("sub", k, a.args[0])
+        if a.op == "sub" and not isinstance(a.args[0], Node):
+            return self._constant_minus(a.args[0] + k, a.args[1])
         return self._node("add", k, a)
+
+    def _constant_minus(self, k: float, b: Node) -> Value:
+        if b.op == "add" and not isinstance(b.args[0], Node):
+            return self._constant_minus(k - b.args[0], b.args[1])
+        return self._node("sub", k, b) if k != 0 else self.neg(b)
 
     def _minus(self, a: Node, b: Node) -> Value:
         if a is b:
@@ -163,26 +171,28 @@ class Graph:
         return self._node("mul", k, a)
 
     def div(self, a: Value, b: Value) -> Value:
+        if not isinstance(a, Node):
+            a = float(a)
+            if not isinstance(b, Node):
+                return a / float(b)
+            if a == 0:
+                return 0.0
         if not isinstance(b, Node):
             b = float(b)
             # exact for powers of two; a quotient of nodes and odd numbers stays a quotient
-            if math.frexp(b)[0] in (0.5, -0.5):
+            if math.frexp(b)[0] in (0.5, -0.5) and math.isfinite(1 / b):
                 return self.mul(a, 1 / b)
-            return self._node("div", a, b) if isinstance(a, Node) else float(a) / b
-        if b.op == "neg":
-            return self.neg(self.div(a, b.args[0]))
-        if isinstance(a, Node):
-            return self._node("div", a, b)
-        return 0.0 if a == 0 else self._node("div", float(a), b)
+        negative = _is_negative(a) != _is_negative(b)
+        quotient = self._node("div", *(self.neg(x) if _is_negative(x) else x for x in (a, b)))
+        return self.neg(quotient) if negative else quotient
 
     def neg(self, a: Value) -> Value:
         if not isinstance(a, Node):
             return -a
         if a.op == "neg":
             return a.args[0]
-        if a.op == "sub":
-            x, y = a.args
-            return self.add(y, -x) if not isinstance(x, Node) else self._node("sub", y, x)
+        if a.op == "sub" and not isinstance(a.args[0], Node):
+            return self.add(a.args[1], -a.args[0])
         return self._node("neg", a)
 
     def cos(self, a: Node) -> Value:
@@ -190,6 +200,11 @@ class Graph:
 
     def sin(self, a: Node) -> Value:
         return self.neg(self._node("sin", a.args[0])) if a.op == "neg" else self._node("sin", a)
+
+
+def _is_negative(a: Value) -> bool:
+    """Whether a sign can be taken off."""
+    return a.op == "neg" if isinstance(a, Node) else a < 0
 
 
 def _order(a: Value) -> int:

@@ -8,8 +8,8 @@ part needs passes through `work`.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 
 from mcgee.graph.node import Node, Value
 from mcgee.graph.program import Program
@@ -45,7 +45,7 @@ def kernel_ir(program: Program, target: Target) -> Kernel:
     for array in program.inputs:
         offsets[array.name], start = start, start + array.size
     texts = [
-        _part(f"part{k}", part, target, fused, crossing, places, offsets)
+        _Part(Emitter(target), offsets, places, fused, crossing).text(f"part{k}", part)
         for k, part in enumerate(parts)
     ]
     calls = "\n".join(
@@ -130,61 +130,64 @@ def _crossing(parts: list[list[Node]], fused: dict[Node, Node]) -> dict[Node, in
     return crossing
 
 
-def _part(
-    name: str,
-    nodes: list[Node],
-    target: Target,
-    fused: dict[Node, Node],
-    crossing: dict[Node, int],
-    places: dict[Node, int],
-    offsets: dict[str, int],
-) -> str:
-    e = Emitter(target)
-    known: dict[Node, str] = {}
-    angles: dict[Node, tuple[str, str]] = {}
+@dataclass
+class _Part:
+    """Writes one function: some operations, and the vectors that go in and out of it."""
 
-    def value(a: Value) -> str:
+    e: Emitter
+    offsets: dict[str, int]
+    places: dict[Node, int]
+    fused: dict[Node, Node]
+    crossing: dict[Node, int]
+    known: dict[Node, str] = field(default_factory=dict)
+    angles: dict[Value, tuple[str, str]] = field(default_factory=dict)
+
+    def text(self, name: str, nodes: list[Node]) -> str:
+        for node in nodes:
+            if node.op in ("cos", "sin"):
+                self.known[node] = self.cos_sin(node.args[0])[node.op == "sin"]
+            elif node.op != "input":
+                self.known[node] = self.operation(node)
+            if node in self.places:
+                self.e.store(self.value(node), "%out", self.places[node])
+            if node in self.crossing:
+                self.e.store(self.value(node), "%work", self.crossing[node])
+        return _FUNCTION.format(name=name, body="\n".join(self.e.lines))
+
+    def value(self, a: Value) -> str:
         if not isinstance(a, Node):
-            return e.constant(a)
-        if a not in known:
+            return self.e.constant(a)
+        if a not in self.known:
             if a.op == "input":
-                known[a] = e.load("%in", offsets[a.args[0]] + a.args[1])
+                self.known[a] = self.e.load("%in", self.offsets[a.args[0]] + a.args[1])
             else:
-                known[a] = e.load("%work", crossing[a])
-        return known[a]
+                self.known[a] = self.e.load("%work", self.crossing[a])
+        return self.known[a]
 
-    for node in nodes:
-        if node.op in ("cos", "sin"):
-            angle = node.args[0]
-            if angle not in angles:
-                angles[angle] = _pair(e, value(angle))
-            known[node] = angles[angle][node.op == "sin"]
-        elif node.op != "input":
-            known[node] = _operation(e, node, fused.get(node), value)
-        if node in places:
-            e.store(value(node), "%out", places[node])
-        if node in crossing and node.op != "input":
-            e.store(value(node), "%work", crossing[node])
-    lines = "\n".join(e.lines)
-    return f"""
-define internal void @{name}({PARAMETERS}) nounwind noinline {{
-{lines}
+    def cos_sin(self, angle: Value) -> tuple[str, str]:
+        if angle not in self.angles:
+            v, x = self.e.vector, self.value(angle)
+            both = self.e.let(f"call {{ {v}, {v} }} @cos_sin({v} {x})")
+            cos, sin = (self.e.let(f"extractvalue {{ {v}, {v} }} {both}, {i}") for i in (0, 1))
+            self.angles[angle] = cos, sin
+        return self.angles[angle]
+
+    def operation(self, node: Node) -> str:
+        product = self.fused.get(node)
+        if product is None:
+            return getattr(self.e, node.op)(*(self.value(a) for a in node.args))
+        x, y = (self.value(a) for a in product.args)
+        a, b = node.args
+        if node.op == "add":
+            return self.e.muladd(x, y, self.value(b if a is product else a))
+        if a is product:
+            return self.e.mulsub(x, y, self.value(b))
+        return self.e.submul(self.value(a), x, y)
+
+
+_FUNCTION = f"""
+define internal void @{{name}}({PARAMETERS}) nounwind noinline {{{{
+{{body}}
   ret void
-}}
+}}}}
 """
-
-
-def _pair(e: Emitter, angle: str) -> tuple[str, str]:
-    pair = f"{{ {e.vector}, {e.vector} }}"
-    both = e.let(f"call {pair} @cos_sin({e.vector} {angle})")
-    return e.let(f"extractvalue {pair} {both}, 0"), e.let(f"extractvalue {pair} {both}, 1")
-
-
-def _operation(e: Emitter, node: Node, product: Node | None, value: Callable[[Value], str]) -> str:
-    if product is None:
-        return getattr(e, node.op)(*(value(a) for a in node.args))
-    x, y = (value(a) for a in product.args)
-    a, b = node.args
-    if node.op == "add":
-        return e.muladd(x, y, value(b if a is product else a))
-    return e.mulsub(x, y, value(b)) if a is product else e.submul(value(a), x, y)

@@ -2,9 +2,12 @@
 
 Cody & Waite's reduction by pi/2 in three parts, of which the first two multiply a quadrant number
 exactly, then the minimax polynomials of the freely distributable libm (Sun Microsystems 1993) with
-the remainder's own rounding error carried along. Lanes beyond REACH (and infinities) take the C
-library's functions; NaNs pass through.
+the remainder's own rounding error carried along. Lanes beyond REACH, infinities and NaNs take the
+C library's functions, and the fast path sees zeros in their place: NumPy reports the processor's
+overflow and invalid flags as warnings, and no legal angle may raise them.
 """
+
+import struct
 
 from mcgee.jit.emit import Emitter
 from mcgee.jit.target import Target
@@ -42,18 +45,35 @@ def sincos_ir(target: Target) -> str:
     """Text of `@cos_sin`, from a vector x to the pair of vectors (cos x, sin x)."""
     e = Emitter(target)
     v, w = e.vector, target.lanes
-    cosine, sine = _fast(e)
     size = e.let(f"call {v} @llvm.fabs.{e.suffix}({v} %x)")
-    far = e.let(f"fcmp ogt {v} {size}, {e.constant(REACH)}")
+    # compared as integers: a comparison of numbers raises the invalid flag on NaN
+    order = e.let(f"bitcast {v} {size} to {e.integers}")
+    reach = struct.unpack("<q", struct.pack("<d", REACH))[0]
+    far = e.let(f"icmp sgt {e.integers} {order}, {e.integer(reach)}")
+    zero = e.constant(0.0)
+    near = e.let(f"select <{w} x i1> {far}, {v} {zero}, {v} %x")
+    cosine, sine = _fast(e, near)
     bits = e.let(f"bitcast <{w} x i1> {far} to i{w}")
     some = e.let(f"icmp ne i{w} {bits}, 0")
     fast = "\n".join(e.lines)
-    pair = f"{{ {v}, {v} }}"
-    return f"""
+    return _TEMPLATE.format(
+        v=v,
+        w=w,
+        pair=f"{{ {v}, {v} }}",
+        suffix=e.suffix,
+        fast=fast,
+        far=far,
+        some=some,
+        cosine=cosine,
+        sine=sine,
+    )
+
+
+_TEMPLATE = """
 declare double @cos(double)
 declare double @sin(double)
-declare {v} @llvm.fabs.{e.suffix}({v})
-declare {v} @llvm.fma.{e.suffix}({v}, {v}, {v})
+declare {v} @llvm.fabs.{suffix}({v})
+declare {v} @llvm.fma.{suffix}({v}, {v}, {v})
 
 define internal {pair} @cos_sin({v} %x) noinline nounwind {{
 {fast}
@@ -87,11 +107,11 @@ done:
 """
 
 
-def _fast(e: Emitter) -> tuple[str, str]:
-    shifted = e.muladd("%x", e.constant(TWO_OVER_PI), e.constant(ROUND))
+def _fast(e: Emitter, x: str) -> tuple[str, str]:
+    shifted = e.muladd(x, e.constant(TWO_OVER_PI), e.constant(ROUND))
     n = e.sub(shifted, e.constant(ROUND))
     # x − n pi/2 as hi + lo: every step but the last two is exact
-    a = e.submul("%x", n, e.constant(PIO2[0]))
+    a = e.submul(x, n, e.constant(PIO2[0]))
     w = e.mul(n, e.constant(PIO2[1]))
     y = e.sub(a, w)
     lost = e.sub(e.sub(a, y), w)

@@ -1,0 +1,278 @@
+"""Between rows in memory and tiles: the loops of a gufunc that move data, as LLVM IR.
+
+Rows of contiguous scalars move b at a time through a transpose of vectors; everything else moves
+scalar by scalar.
+"""
+
+from collections.abc import Sequence
+
+from mcgee.graph.program import Array
+from mcgee.jit.emit import hexadecimal
+
+
+def common_ir(w: int) -> str:
+    """@poison, which fills rows with NaN, and @nans, which finds them."""
+    return _COMMON.format(w=w, v=f"<{w} x double>", nan=hexadecimal(float("nan")))
+
+
+def _shuffle(a: str, b: str, size: int, mask: Sequence[int]) -> str:
+    v, indices = f"<{size} x double>", ", ".join(f"i32 {m}" for m in mask)
+    return f"shufflevector {v} {a}, {v} {b}, <{len(mask)} x i32> <{indices}>"
+
+
+def _transpose(names: list[str], w: int) -> tuple[list[str], list[str]]:
+    """Turn b vectors of w lanes about the diagonal of each group of b lanes."""
+    lines, step, b = [], 1, len(names)
+    while step < b:
+        turned = list(names)
+        for i in range(b):
+            if not i & step:
+                low = [j if not j & step else w + j - step for j in range(w)]
+                high = [j + step if not j & step else w + j for j in range(w)]
+                for mask, place in ((low, i), (high, i + step)):
+                    turned[place] = f"%turn{step}.{place}"
+                    shuffle = _shuffle(names[i], names[i + step], w, mask)
+                    lines.append(f"{turned[place]} = {shuffle}")
+        names, step = turned, step * 2
+    return lines, names
+
+
+def _joined(w: int, b: int) -> tuple[list[str], list[str]]:
+    """Rows %row.0 … of b scalars, joined to b vectors: i holds rows i, i + b, … side by side."""
+    lines, names, size = [], [f"%row.{i}" for i in range(w)], b
+    while size < w:
+        half = len(names) // 2
+        joined = [f"%join{size}.{i}" for i in range(half)]
+        for i in range(half):
+            shuffle = _shuffle(names[i], names[i + half], size, range(2 * size))
+            lines.append(f"{joined[i]} = {shuffle}")
+        names, size = joined, size * 2
+    if w // b > 2:  # halving paired rows i and i + w/2: put the groups in order
+        order = _bit_reversed_groups(w // b)
+        mask = [order.index(g) * b + c for g in range(w // b) for c in range(b)]
+        for i in range(b):
+            lines.append(f"%order.{i} = {_shuffle(names[i], names[i], w, mask)}")
+        names = [f"%order.{i}" for i in range(b)]
+    return lines, names
+
+
+def _bit_reversed_groups(count: int) -> list[int]:
+    """The order in which joining halves leaves the groups."""
+    order = [[g] for g in range(count)]
+    while len(order) > 1:
+        half = len(order) // 2
+        order = [order[i] + order[i + half] for i in range(half)]
+    return order[0]
+
+
+def copies_ir(w: int, b: int) -> str:
+    """@pack and @unpack for rows of b scalars or more."""
+    v, row = f"<{w} x double>", f"<{b} x double>"
+    rows, load_rows, store_rows = [], [], []
+    for i in range(w):
+        rows += [
+            f"%skip.{i} = mul i64 %outer, {i}",
+            f"%at.{i} = getelementptr i8, ptr %first, i64 %skip.{i}",
+        ]
+        load_rows.append(f"%row.{i} = load {row}, ptr %at.{i}, align 8")
+    joins, joined = _joined(w, b)
+    turns, turned = _transpose(joined, w)
+    store_tile = []
+    for c in range(b):
+        store_tile += [
+            f"%column.{c} = add i64 %e, {c}",
+            f"%to.{c} = getelementptr {v}, ptr %tile, i64 %column.{c}",
+            f"store {v} {turned[c]}, ptr %to.{c}, align 8",
+        ]
+    pack = rows + load_rows + joins + turns + store_tile
+    load_tile = []
+    for c in range(b):
+        load_tile += [
+            f"%column.{c} = add i64 %e, {c}",
+            f"%slot_at.{c} = getelementptr i32, ptr %slots, i64 %column.{c}",
+            f"%slot.{c} = load i32, ptr %slot_at.{c}",
+            f"%wide.{c} = zext i32 %slot.{c} to i64",
+            f"%from.{c} = getelementptr {v}, ptr %tile, i64 %wide.{c}",
+            f"%in.{c} = load {v}, ptr %from.{c}, align 8",
+        ]
+    turns, turned = _transpose([f"%in.{c}" for c in range(b)], w)
+    for i in range(w):
+        group = [i - i % b + c for c in range(b)]
+        store_rows += [
+            f"%row.{i} = {_shuffle(turned[i % b], turned[i % b], w, group)}",
+            f"store {row} %row.{i}, ptr %at.{i}, align 8",
+        ]
+    unpack = rows + load_tile + turns + store_rows
+    chunks = {"pack_chunk": "\n  ".join(pack), "unpack_chunk": "\n  ".join(unpack)}
+    return _COPIES.format(w=w, b=b, v=v, **chunks)
+
+
+def chunk(array: Array, w: int) -> int:
+    """The scalars of a row that move at once: the largest power of two that fits."""
+    return 1 << (min(array.size, w).bit_length() - 1)
+
+
+# Chunks of b scalars go through a transpose; the last chunk overlaps the one before it.
+_FAST = """
+  %full = icmp eq i64 %rows, {w}
+  %fast = and i1 %full, %contiguous
+  br i1 %fast, label %chunk, label %slow
+chunk:
+  %e = phi i64 [ 0, %0 ], [ %en, %chunk ]
+  %bytes = shl i64 %e, 3
+  %first = getelementptr i8, ptr %at, i64 %bytes
+  {CHUNK}
+  %end = sub i64 %size, {b}
+  %ended = icmp eq i64 %e, %end
+  %e2 = add i64 %e, {b}
+  %en = call i64 @llvm.umin.i64(i64 %e2, i64 %end)
+  br i1 %ended, label %done, label %chunk
+"""
+
+# for each element (i, j, k) of the core, for each lane
+_SLOW = """
+slow:
+  br label %loop
+loop:
+  %x = phi i64 [ 0, %slow ], [ %xn, %step ]
+  %i = phi i64 [ 0, %slow ], [ %in_, %step ]
+  %j = phi i64 [ 0, %slow ], [ %jn, %step ]
+  %k = phi i64 [ 0, %slow ], [ %kn, %step ]
+  %oi = mul i64 %i, %si
+  %oj = mul i64 %j, %sj
+  %ok = mul i64 %k, %sk
+  %oij = add i64 %oi, %oj
+  %o = add i64 %oij, %ok
+  %element = getelementptr i8, ptr %at, i64 %o
+  br label %lane
+lane:
+  %l = phi i64 [ 0, %loop ], [ %ln, %lane_end ]
+  {LANE}
+  %ln = add i64 %l, 1
+  %lmore = icmp ult i64 %ln, {LANES}
+  br i1 %lmore, label %lane, label %step
+step:
+  %xn = add i64 %x, 1
+  %k1 = add i64 %k, 1
+  %kc = icmp eq i64 %k1, %dk
+  %kn = select i1 %kc, i64 0, i64 %k1
+  %jinc = zext i1 %kc to i64
+  %j1 = add i64 %j, %jinc
+  %jc = icmp eq i64 %j1, %dj
+  %jn = select i1 %jc, i64 0, i64 %j1
+  %iinc = zext i1 %jc to i64
+  %in_ = add i64 %i, %iinc
+  %more = icmp ult i64 %xn, %size
+  br i1 %more, label %loop, label %done
+"""
+
+_PACK_LANE = """
+  %r0 = sub i64 %rows, 1
+  %r = call i64 @llvm.umin.i64(i64 %l, i64 %r0)
+  %ro = mul i64 %r, %outer
+  %src = getelementptr i8, ptr %element, i64 %ro
+  %value = load double, ptr %src, align 8
+  %x0 = mul i64 %x, {w}
+  %xl = add i64 %x0, %l
+  %dst = getelementptr double, ptr %tile, i64 %xl
+  store double %value, ptr %dst, align 8
+  br label %lane_end
+lane_end:
+"""
+
+_UNPACK_LANE = """
+  %ro = mul i64 %l, %outer
+  %dst = getelementptr i8, ptr %element, i64 %ro
+  %sp = getelementptr i32, ptr %slots, i64 %x
+  %slot = load i32, ptr %sp
+  %wide = zext i32 %slot to i64
+  %x0 = mul i64 %wide, {w}
+  %xl = add i64 %x0, %l
+  %src = getelementptr double, ptr %tile, i64 %xl
+  %value = load double, ptr %src, align 8
+  store double %value, ptr %dst, align 8
+  br label %lane_end
+lane_end:
+"""
+
+_POISON_LANE = """
+  %shifted = lshr i64 %bad, %l
+  %bit = trunc i64 %shifted to i1
+  br i1 %bit, label %write, label %lane_end
+write:
+  %ro = mul i64 %l, %outer
+  %dst = getelementptr i8, ptr %element, i64 %ro
+  store double {nan}, ptr %dst, align 8
+  br label %lane_end
+lane_end:
+"""
+
+_ARRAY = "i64 %di, i64 %dj, i64 %dk, i64 %si, i64 %sj, i64 %sk"
+_ROWS = "ptr %at, i64 %outer, i64 %rows"
+
+_COPIES = (
+    """
+define internal void @pack{b}("""
+    + _ROWS
+    + ", i1 %contiguous, i64 %size, "
+    + _ARRAY
+    + ", ptr %tile) noinline nounwind {{"
+    + _FAST.replace("{CHUNK}", "{pack_chunk}")
+    + _SLOW.replace("{LANE}", _PACK_LANE).replace("{LANES}", "{w}")
+    + """
+done:
+  ret void
+}}
+
+define internal void @unpack{b}("""
+    + _ROWS
+    + ", i1 %contiguous, i64 %size, "
+    + _ARRAY
+    + ", ptr %tile, ptr %slots) noinline nounwind {{"
+    + _FAST.replace("{CHUNK}", "{unpack_chunk}")
+    + _SLOW.replace("{LANE}", _UNPACK_LANE).replace("{LANES}", "%rows")
+    + """
+done:
+  ret void
+}}
+"""
+)
+
+_COMMON = (
+    """
+declare i64 @llvm.umin.i64(i64, i64)
+
+define internal void @poison("""
+    + _ROWS
+    + ", i64 %bad, "
+    + _ARRAY
+    + """) noinline cold nounwind {{
+  %dij = mul i64 %di, %dj
+  %size = mul i64 %dij, %dk
+  br label %slow
+"""
+    + _SLOW.replace("{LANE}", _POISON_LANE).replace("{LANES}", "%rows")
+    + """
+done:
+  ret void
+}}
+
+define internal i64 @nans(ptr %tile, i64 %size) nounwind {{
+  br label %loop
+loop:
+  %x = phi i64 [ 0, %0 ], [ %xn, %loop ]
+  %found = phi <{w} x i1> [ zeroinitializer, %0 ], [ %all, %loop ]
+  %at = getelementptr {v}, ptr %tile, i64 %x
+  %value = load {v}, ptr %at, align 8
+  %nan = fcmp uno {v} %value, zeroinitializer
+  %all = or <{w} x i1> %found, %nan
+  %xn = add i64 %x, 1
+  %more = icmp ult i64 %xn, %size
+  br i1 %more, label %loop, label %done
+done:
+  %bits = bitcast <{w} x i1> %all to i{w}
+  %wide = zext i{w} %bits to i64
+  ret i64 %wide
+}}
+"""
+)

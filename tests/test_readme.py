@@ -1,0 +1,84 @@
+"""Every command and every example of README.md and docs/ runs."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+README = (ROOT / "README.md").read_text()
+
+
+def blocks(page: Path, language: str) -> list[str]:
+    return re.findall(rf"```{language}\n(.*?)```", page.read_text(), re.DOTALL)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_python_examples_run_in_order(page):
+    scope: dict = {}
+    for block in blocks(page, "python"):
+        exec(compile(block, str(page), "exec"), scope)
+
+
+COMMANDS = [
+    line.removeprefix("$ ")
+    for block in blocks(ROOT / "README.md", "console")
+    for line in block.splitlines()
+    if line.startswith("$ ")
+]
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_commands_run(command):
+    program, *words = command.split()
+    assert program == "mcgee"
+    path = Path(sys.executable).with_name("mcgee")
+    result = subprocess.run([path, *words], capture_output=True, text=True)
+    assert (result.returncode, result.stderr) == (0, "")
+
+
+def test_demo_prints_both_arms():
+    """`make demo`, with what it installs already there."""
+    result = subprocess.run(["make", "-n", "demo"], cwd=ROOT, capture_output=True, text=True)
+    lines = [line for line in result.stdout.splitlines() if line.startswith(".venv/bin/mcgee")]
+    assert len(lines) == 2
+    for line in lines:
+        words = line.split()
+        path = Path(sys.executable).with_name("mcgee")
+        run = subprocess.run([path, *words[1:]], cwd=ROOT, capture_output=True, text=True)
+        assert run.returncode == 0
+        assert "M(q)" in run.stdout
+
+
+def test_the_test_command_is_what_ci_calls():
+    assert "make test" in README
+    assert (ROOT / ".ci" / "run").read_text().rstrip().endswith("make test")
+
+
+def test_picture_is_what_the_command_prints():
+    sys.path.insert(0, str(ROOT / "docs"))
+    try:
+        import picture
+    finally:
+        sys.path.pop(0)
+    assert words_of(picture.TARGET.read_text()) == words_of(picture.picture())
+
+
+def words_of(svg: str) -> list[str]:
+    return re.sub(r"<style>.*?</style>|<[^>]*>", " ", svg, flags=re.DOTALL).split()
+
+
+def test_links_lead_somewhere():
+    for page in PAGES:
+        for target in re.findall(r"\]\(([^)#]+)\)", page.read_text()):
+            assert (page.parent / target).exists(), f"{page.name} links to {target}"
+
+
+def test_builtin_arms_are_listed():
+    import mcgee
+
+    for name in mcgee.arms.BUILTIN:
+        assert f"`{name}`" in README

@@ -18,16 +18,18 @@ MAY_IMPORT = {
     "mechanism": ["model", "scalar"],
     "validate": ["mechanism", "model", "scalar"],
     "algorithms": ["mechanism", "model", "scalar"],
-    "quantities": ["algorithms", "mechanism", "scalar"],
+    "quantities": ["algorithms", "mechanism", "model", "scalar"],
     "graph": [],
     "build": ["algorithms", "graph", "mechanism", "quantities"],
     "jit": ["graph"],
     "kernels": ["build", "jit", "robot"],  # robot for its type only
-    "robot": ["kernels", "mechanism", "model", "scalar", "validate"],
+    "robot": ["explain", "kernels", "mechanism", "model", "scalar", "validate"],  # when asked
     "formats": ["arms", "model", "robot", "scalar", "validate"],  # arms by name, when asked
     "arms": ["formats", "model", "robot", "scalar"],
+    "typeset": [],
+    "explain": ["mechanism", "quantities", "robot", "typeset"],
     "audit": ["robot"],
-    "cli": ["audit", "robot"],
+    "cli": ["audit", "explain", "robot", "typeset"],
 }
 LINES_OF_FILE, LINES_OF_FUNCTION = 400, 40
 

@@ -13,7 +13,7 @@ from mcgee.mechanism import Mechanism
 
 @dataclass(frozen=True)
 class Signature:
-    """What a quantity takes (each (n,)) and gives; n stands for the number of coordinates."""
+    """What a quantity takes (each (n,)) and gives; n and links stand for their numbers."""
 
     inputs: tuple[str, ...]
     outputs: tuple[tuple[str, tuple[int | str, ...]], ...]
@@ -33,6 +33,7 @@ SIGNATURES = {
     "coriolis_product": Signature(("q", "qd", "v"), _gives("Cv", "n")),
     "christoffel": Signature(("q",), _gives("c", "n", "n", "n")),
     "gravity": Signature(("q",), _gives("g", "n")),
+    "gravity_gradient": Signature(("q",), _gives("dg_dq", "n", "n")),
     "terms": Signature(("q", "qd"), (("M", ("n", "n")), ("Cqd", ("n",)), ("g", ("n",)))),
     "inverse_dynamics": Signature(("q", "qd", "qdd"), _gives("tau", "n")),
     "forward_dynamics": Signature(("q", "qd", "tau"), _gives("qdd", "n")),
@@ -40,6 +41,9 @@ SIGNATURES = {
     "potential_energy": Signature(("q",), _gives("P"), energy=True),
     "forward_kinematics": Signature(("q",), _gives("T", 4, 4)),
     "jacobian": Signature(("q",), _gives("J", 6, "n")),
+    "link_poses": Signature(("q",), _gives("T", "links", 4, 4)),
+    "link_accelerations": Signature(("q", "qd", "qdd"), _gives("a", "links", 6)),
+    "link_jacobians": Signature(("q",), _gives("J", "links", 6, "n")),
 }
 
 
@@ -50,8 +54,9 @@ def trace(mechanism: Mechanism, quantity: str, *options: Any) -> Program:
     nodes = [graph.inputs(array.name, n) for array in inputs]
     model = mechanism if signature.energy else regrouped(mechanism)
     result = getattr(quantities, quantity)(model, *nodes, *options)
+    sizes = {"n": n, "links": len(mechanism.masses)}
     outputs = tuple(
-        Array(name, tuple(n if size == "n" else int(size) for size in shape))
+        Array(name, tuple(sizes[size] if isinstance(size, str) else size for size in shape))
         for name, shape in signature.outputs
     )
     return Program(quantity, inputs, outputs, tuple(_flat(result)))

@@ -57,9 +57,10 @@ def callable_for(robot: Robot, name: str, *options: str) -> Callable:
         try:
             return ufunc(*args, **kwargs)
         except (TypeError, ValueError) as error:
-            if kwargs.keys() & set(names):
-                return call(*_positional(name, names, args, kwargs), **kwargs)
-            raise _explained(robot, name, names, args, error) from None
+            refusal = error
+        if kwargs.keys() & set(names):
+            return call(*_positional(name, names, args, kwargs), **kwargs)
+        raise _explained(robot, name, names, args, refusal)
 
     call.ufunc = ufunc  # type: ignore[attr-defined]
     return call

@@ -16,11 +16,20 @@ from mcgee.algorithms.crba import crba
 from mcgee.algorithms.definition import definition
 from mcgee.algorithms.energy import kinetic_energy as kinetic_energy_of_joints
 from mcgee.algorithms.energy import potential_energy as potential_energy_of_joints
-from mcgee.algorithms.gravity import gravity_force
-from mcgee.algorithms.kinematics import frame_jacobian, frame_pose
+from mcgee.algorithms.gravity import gravity_force, gravity_slope
+from mcgee.algorithms.kinematics import (
+    body_poses,
+    frame_jacobian,
+    frame_pose,
+    point_jacobian,
+)
 from mcgee.algorithms.linear import inverse, solve
+from mcgee.algorithms.motion import acceleration_at, accelerations, velocities
 from mcgee.algorithms.rnea import rnea
+from mcgee.algorithms.spatial import Vector
+from mcgee.algorithms.tree import transforms
 from mcgee.mechanism import Mechanism
+from mcgee.model import Pose
 from mcgee.scalar import Scalar
 
 Coordinates = Sequence[Scalar]
@@ -59,6 +68,10 @@ def gravity(m: Mechanism, q: Coordinates) -> list[Scalar]:
     return _project(m, gravity_force(m, m.joint_space(q)), 1)
 
 
+def gravity_gradient(m: Mechanism, q: Coordinates) -> list[list[Scalar]]:
+    return _project(m, gravity_slope(m, m.joint_space(q)), 2)
+
+
 def terms(
     m: Mechanism, q: Coordinates, qd: Coordinates
 ) -> tuple[list[list[Scalar]], list[Scalar], list[Scalar]]:
@@ -89,13 +102,50 @@ def potential_energy(m: Mechanism, q: Coordinates) -> Scalar:
 
 
 def forward_kinematics(m: Mechanism, q: Coordinates, frame: str) -> list[list[Scalar]]:
-    pose = frame_pose(m, m.joint_space(q), frame)
-    rows = [[*row, x] for row, x in zip(pose.rotation, pose.translation, strict=True)]
-    return [*rows, [0, 0, 0, 1]]
+    return _homogeneous(frame_pose(m, m.joint_space(q), frame))
 
 
 def jacobian(m: Mechanism, q: Coordinates, frame: str) -> list[list[Scalar]]:
     return [_project(m, row, 1) for row in frame_jacobian(m, m.joint_space(q), frame)]
+
+
+def link_poses(m: Mechanism, q: Coordinates) -> list[list[list[Scalar]]]:
+    bodies = body_poses(m, m.joint_space(q))
+    return [
+        _homogeneous(Pose(bodies[link.body].rotation, bodies[link.body].apply(link.inertia.com)))
+        for link in m.masses
+    ]
+
+
+def link_jacobians(m: Mechanism, q: Coordinates) -> list[list[list[Scalar]]]:
+    bodies = body_poses(m, m.joint_space(q))
+    jacobians = []
+    for link in m.masses:
+        com = Vector(*bodies[link.body].apply(link.inertia.com))
+        columns = point_jacobian(m, bodies, link.body, com)
+        rows = zip(*([*c.u, *c.w] for c in columns), strict=True)
+        jacobians.append([_project(m, list(row), 1) for row in rows])
+    return jacobians
+
+
+def link_accelerations(
+    m: Mechanism, q: Coordinates, qd: Coordinates, qdd: Coordinates
+) -> list[list[Scalar]]:
+    q, qd, qdd = (m.joint_space(x) for x in (q, qd, qdd))
+    X, bodies = transforms(m, q), body_poses(m, q)
+    v = velocities(m, X, qd)
+    a = accelerations(m, X, v, qd, qdd)
+    rows = []
+    for link in m.masses:
+        i = link.body
+        linear = acceleration_at(v[i], a[i], Vector(*link.inertia.com))
+        rows.append([*bodies[i].turn(tuple(linear)), *bodies[i].turn(tuple(a[i].w))])
+    return rows
+
+
+def _homogeneous(pose: Pose) -> list[list[Scalar]]:
+    rows = [[*row, x] for row, x in zip(pose.rotation, pose.translation, strict=True)]
+    return [*rows, [0, 0, 0, 1]]
 
 
 def _weightless(m: Mechanism) -> Mechanism:

@@ -1,6 +1,8 @@
 """The robot a user holds: its description, and the terms of its equation of motion.
 
 M(q) qdd + C(q, qd) qd + g(q) = tau
+
+Longer than other files for its docstrings: this is where users read what each name means.
 """
 
 from __future__ import annotations
@@ -11,15 +13,18 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from mcgee import validate
 from mcgee.kernels import callable_for, quantity
-from mcgee.mechanism import GROUND, Mechanism, depth_first, reduce
+from mcgee.mechanism import GROUND, Mechanism, depth_first, reduce, root_of
 from mcgee.model import Frame, Joint, Link, Vec3, is_number, map_numbers
 from mcgee.scalar import Scalar, plain
+
+if TYPE_CHECKING:
+    from mcgee.explain import Explanation
 
 EARTH: Vec3 = (0.0, 0.0, -9.81)
 
@@ -85,6 +90,16 @@ class Robot:
     @property
     def joint_names(self) -> tuple[str, ...]:
         return tuple(joint.name for joint in self.independent_joints)
+
+    @property
+    def root(self) -> str:
+        """The link that stands still; its frame is the root frame."""
+        return root_of(self.links, self.joints)
+
+    @property
+    def moving_links(self) -> tuple[str, ...]:
+        """The links that have an inertia and move."""
+        return tuple(mass.link for mass in self.mechanism.masses)
 
     @property
     def link_names(self) -> tuple[str, ...]:
@@ -297,6 +312,16 @@ class Robot:
         raise NotImplementedError
 
     @quantity
+    def gravity_gradient(self, q: Any, **ufunc: Any) -> np.ndarray:
+        """∂g_i/∂q_j = ∂²P/∂q_i∂q_j: how fast the holding efforts change.
+
+        Args:
+            q: joint positions (..., n)
+        Returns: (..., n, n) [N·m/rad, N/m], symmetric
+        """
+        raise NotImplementedError
+
+    @quantity
     def inverse_dynamics(self, q: Any, qd: Any, qdd: Any, **ufunc: Any) -> np.ndarray:
         """Joint efforts that produce the accelerations qdd.
 
@@ -370,6 +395,54 @@ class Robot:
         Raises: ValueError: an unknown frame
         """
         return self._bound("jacobian", self._frame(frame))(q, **ufunc)
+
+    @quantity
+    def link_poses(self, q: Any, **ufunc: Any) -> np.ndarray:
+        """Where each link of `moving_links` is: its body's axes, at its centre of mass.
+
+        Args:
+            q: joint positions (..., n)
+        Returns: homogeneous matrices (..., links, 4, 4) in the root frame
+        """
+        raise NotImplementedError
+
+    @quantity
+    def link_jacobians(self, q: Any, **ufunc: Any) -> np.ndarray:
+        """Jv over Jω of each link of `moving_links`, at its centre of mass.
+
+        Args:
+            q: joint positions (..., n)
+        Returns: (..., links, 6, n), linear rows first, in the root frame's axes
+        """
+        raise NotImplementedError
+
+    @quantity
+    def link_accelerations(self, q: Any, qd: Any, qdd: Any, **ufunc: Any) -> np.ndarray:
+        """How each link of `moving_links` accelerates, gravity not counted.
+
+        Args:
+            q, qd, qdd: joint positions, velocities, accelerations (..., n)
+        Returns: (..., links, 6): of the centre of mass [m/s²], then angular [rad/s²], root axes
+        """
+        raise NotImplementedError
+
+    # -- what it means ----------------------------------------------------------------------------
+
+    def explain(
+        self, q: Any, qd: Any = None, qdd: Any = None, *, frame: str | None = None
+    ) -> Explanation:
+        """What M, C and g mean in one state, in figures, words and pictures.
+
+        Args:
+            q: joint positions (n,) [rad | m]
+            qd, qdd: joint velocities and accelerations (n,), zero by default
+            frame: where a hand would push, one of `frame_names`; `end_frame` by default
+        Returns: an Explanation: print() it, .to_dict(), .to_html(path)
+        Raises: ValueError: a wrong shape, numbers that are not finite, an unknown frame
+        """
+        from mcgee.explain import explain
+
+        return explain(self, q, qd, qdd, self._frame(frame))
 
     def _bound(self, name: str, *options: str) -> Any:
         known = self.__dict__.setdefault("_calls", {})

@@ -1,9 +1,10 @@
 """What the physics asks of a scalar: +, -, *, / and a cosine with its sine.
 
-Algorithms run on any type that has these: float, NumPy arrays, graph nodes, `fractions.Fraction`,
-mpmath, SymPy, casadi.SX, exact polynomials.
+Algorithms run on any type that has these: float, complex, NumPy arrays, graph nodes,
+`fractions.Fraction`, mpmath, SymPy, casadi.SX, exact polynomials.
 """
 
+import cmath
 import math
 import re
 import struct
@@ -19,6 +20,8 @@ def cos_sin(x: Scalar) -> tuple[Scalar, Scalar]:
     """(cos x, sin x) by the scalar's own method `cos_sin`, or else by the library it comes from."""
     if isinstance(x, (float, int)):
         return math.cos(x), math.sin(x)
+    if isinstance(x, complex):
+        return cmath.cos(x), cmath.sin(x)
     own = getattr(x, "cos_sin", None)
     if own is not None:
         return own()
@@ -68,11 +71,8 @@ class Turn:
 
 # -- constant angles ------------------------------------------------------------------------------
 
-_R2, _R3, _R6 = math.sqrt(0.5), math.sqrt(0.75), math.sqrt(6.0)
-_COS15 = (_R6 + math.sqrt(2.0)) / 4
-_SIN15 = (_R6 - math.sqrt(2.0)) / 4
-# cosines of k 15 degrees, k = 0 … 6
-_TWELFTHS = (1.0, _COS15, _R3, _R2, 0.5, _SIN15, 0.0)
+# cosines of k 15 degrees, k = 0 … 6, correctly rounded
+_TWELFTHS = (1.0, 0.9659258262890683, 0.75**0.5, 0.5**0.5, 0.5, 0.25881904510252074, 0.0)
 
 
 def constant_cos_sin(angle: Scalar) -> tuple[Scalar, Scalar]:
@@ -99,14 +99,16 @@ def _cos_twelfth(k: int) -> float:
 
 _DECIMAL = re.compile(r"[-+]?(\d*)\.?(\d*)(?:[eE][-+]?\d+)?$")
 ENOUGH_DIGITS = 8
+POOR_ROUNDING = 0.01
+"""Radians: a coarser last digit says nothing of what was meant."""
 
 
 def read_angle(text: str) -> tuple[float, str | None]:
     """The angle that a decimal text means, and a remark where the text is a poor rounding.
 
     Descriptions write pi/2 as 1.57079632679. Where the text is a multiple of pi/12 rounded (or
-    cut) to its own digits, eight or more, or is that multiple in float32, the exact angle is meant
-    and returned; with fewer digits the written value is kept and the remark says so.
+    cut) to its own digits, eight or more, the exact angle is meant and returned; with fewer digits,
+    or with the digits of its float32, the written value is kept and the remark says so.
 
     Raises: ValueError: the text is not a number
     """
@@ -120,15 +122,21 @@ def read_angle(text: str) -> tuple[float, str | None]:
     unit = 10.0 ** (math.floor(math.log10(abs(value))) + 1 - digits)  # of the last digit
     over, slack = abs(value) - abs(exact), 4 * math.ulp(exact)
     rounded_or_cut = -unit - slack <= over <= unit / 2 + slack
-    single = struct.unpack("f", struct.pack("f", exact))[0]  # what float32 makes of it
-    if value == single or (rounded_or_cut and digits >= ENOUGH_DIGITS):
+    if rounded_or_cut and digits >= ENOUGH_DIGITS:
         return exact, None
-    if digits < 3 or not rounded_or_cut:
+    poor = rounded_or_cut and digits >= 3 and unit <= POOR_ROUNDING
+    single = value == _single(exact) or (digits <= 9 and _single(value) == _single(exact))
+    if not poor and not single:
         return value, None
     return value, (
         f"angle {text.strip()} is taken as written; {_name_twelfth(k)} needs at least "
         f"{ENOUGH_DIGITS} digits ({exact:.11g})"
     )
+
+
+def _single(x: float) -> float:
+    """What float32 makes of it."""
+    return struct.unpack("f", struct.pack("f", x))[0]
 
 
 def _name_twelfth(k: int) -> str:

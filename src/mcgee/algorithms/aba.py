@@ -2,7 +2,8 @@
 
 from collections.abc import Sequence
 
-from mcgee.algorithms.spatial import REST, ZERO, ArticulatedInertia, Force, Motion, Vector
+from mcgee.algorithms.motion import velocities
+from mcgee.algorithms.spatial import ZERO, ArticulatedInertia, Force, Motion, Vector
 from mcgee.algorithms.tree import axes, inertias, transforms
 from mcgee.mechanism import Mechanism
 from mcgee.scalar import Scalar
@@ -16,14 +17,9 @@ def aba(
     Source: Featherstone 1983; Featherstone 2008, table 7.1. Armature adds to D.
     """
     X, S, I = transforms(mechanism, q), axes(mechanism), inertias(mechanism)  # noqa: E741
-    v: list[Motion] = []
-    c: list[Motion] = []
-    pA: list[Force] = []
-    for i, body in enumerate(mechanism.bodies):
-        vJ = S[i] * qd[i]
-        v.append(X[i].motion(v[body.parent] if body.parent >= 0 else REST) + vJ)
-        c.append(v[i].cross(vJ))
-        pA.append(v[i].cross_force(I[i] @ v[i]))
+    v = velocities(mechanism, X, qd)
+    c = [v_i.cross(S_i * qd_i) for v_i, S_i, qd_i in zip(v, S, qd, strict=True)]
+    pA = [v_i.cross_force(I_i @ v_i) for v_i, I_i in zip(v, I, strict=True)]
 
     IA = [ArticulatedInertia.of(body) for body in I]
     n = len(IA)

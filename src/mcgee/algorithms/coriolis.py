@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from mcgee.algorithms.motion import velocities
 from mcgee.algorithms.rnea import backward
 from mcgee.algorithms.spatial import (
     REST,
@@ -130,13 +131,3 @@ def christoffel(mechanism: Mechanism, q: Sequence[Scalar]) -> list[list[list[Sca
                 if k <= i < m:
                     c[m][i][k] = c[m][k][i] = S_k.cross(S_i).dot(momentum) + S_i.dot(F3)
     return c
-
-
-def velocities(
-    mechanism: Mechanism, X: Sequence[JointTransform], qd: Sequence[Scalar]
-) -> list[Motion]:
-    """The velocity of each body, in its own frame."""
-    v: list[Motion] = []
-    for i, (body, S_i) in enumerate(zip(mechanism.bodies, axes(mechanism), strict=True)):
-        v.append(X[i].motion(v[body.parent] if body.parent >= 0 else REST) + S_i * qd[i])
-    return v

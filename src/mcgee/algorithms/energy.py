@@ -2,19 +2,18 @@
 
 from collections.abc import Sequence
 
-from mcgee.algorithms.spatial import REST, Motion, Vector
-from mcgee.algorithms.tree import axes, inertias, transforms
+from mcgee.algorithms.motion import velocities
+from mcgee.algorithms.spatial import Vector
+from mcgee.algorithms.tree import inertias, transforms
 from mcgee.mechanism import Mechanism
 from mcgee.scalar import Scalar
 
 
 def kinetic_energy(mechanism: Mechanism, q: Sequence[Scalar], qd: Sequence[Scalar]) -> Scalar:
     """T = ½ Σ vᵢᵀ Iᵢ vᵢ + ½ Σ armatureᵢ qdᵢ²."""
-    X, S, I = transforms(mechanism, q), axes(mechanism), inertias(mechanism)  # noqa: E741
-    v: list[Motion] = []
+    v, I = velocities(mechanism, transforms(mechanism, q), qd), inertias(mechanism)  # noqa: E741
     twice: Scalar = 0
     for i, body in enumerate(mechanism.bodies):
-        v.append(X[i].motion(v[body.parent] if body.parent >= 0 else REST) + S[i] * qd[i])
         twice = twice + v[i].dot(I[i] @ v[i]) + body.armature * (qd[i] * qd[i])
     return twice / 2
 

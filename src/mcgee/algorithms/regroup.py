@@ -5,6 +5,7 @@ from dataclasses import replace
 from mcgee.algorithms.spatial import NO_INERTIA, ZERO, Inertia, JointTransform, Symmetric, Vector
 from mcgee.algorithms.tree import inertias
 from mcgee.mechanism import Mechanism
+from mcgee.scalar import Turn
 
 
 def regrouped(mechanism: Mechanism) -> Mechanism:
@@ -29,7 +30,8 @@ def regrouped(mechanism: Mechanism) -> Mechanism:
             )
             given = Inertia(full.m, Vector(0, 0, full.h.z), Symmetric(a.yy, 0, 0, a.yy, 0, 0))
         if body.parent >= 0:
-            X = JointTransform(body.pose, body.prismatic, 0)
+            # a Turn: math's cosine of 0 would make exact scalars floats
+            X = JointTransform(body.pose, body.prismatic, 0 if body.prismatic else Turn(1, 0))
             I[body.parent] = I[body.parent] + X.inertia(given)
     bodies = tuple(
         replace(

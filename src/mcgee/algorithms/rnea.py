@@ -2,7 +2,8 @@
 
 from collections.abc import Sequence
 
-from mcgee.algorithms.spatial import REST, ZERO, Force, JointTransform, Motion, Vector
+from mcgee.algorithms.motion import accelerations, velocities
+from mcgee.algorithms.spatial import ZERO, Force, JointTransform, Motion, Vector
 from mcgee.algorithms.tree import axes, inertias, transforms
 from mcgee.mechanism import Mechanism
 from mcgee.scalar import Scalar
@@ -15,17 +16,10 @@ def rnea(
 
     Source: Luh, Walker & Paul 1980; Featherstone 2008, table 5.1.
     """
-    X, S, I = transforms(mechanism, q), axes(mechanism), inertias(mechanism)  # noqa: E741
-    v: list[Motion] = []
-    a: list[Motion] = []
-    f: list[Force] = []
-    still = Motion(ZERO, -Vector(*mechanism.gravity))
-    for i, body in enumerate(mechanism.bodies):
-        p = body.parent
-        vJ = S[i] * qd[i]
-        v.append(X[i].motion(v[p] if p >= 0 else REST) + vJ)
-        a.append(X[i].motion(a[p] if p >= 0 else still) + S[i] * qdd[i] + v[i].cross(vJ))
-        f.append(I[i] @ a[i] + v[i].cross_force(I[i] @ v[i]))
+    X, I = transforms(mechanism, q), inertias(mechanism)  # noqa: E741
+    v = velocities(mechanism, X, qd)
+    a = accelerations(mechanism, X, v, qd, qdd, Motion(ZERO, -Vector(*mechanism.gravity)))
+    f = [I_i @ a_i + v_i.cross_force(I_i @ v_i) for I_i, v_i, a_i in zip(I, v, a, strict=True)]
     return backward(mechanism, X, f, qdd)
 
 

@@ -193,7 +193,8 @@ class Inertia:
 
     def second_moment(self) -> Matrix:
         """∫ c cᵀ dm = ½ tr(I) 1 − I."""
-        half, i = self.I.trace() / 2, self.I
+        trace, i = self.I.trace(), self.I
+        half = 0 if isinstance(trace, int) else trace / 2  # int: structural zeros, and 0 / 2 is 0.0
         return Symmetric(half - i.xx, -i.xy, -i.xz, half - i.yy, -i.yz, half - i.zz).matrix()
 
 

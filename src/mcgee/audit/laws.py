@@ -85,7 +85,7 @@ def _apart(a: Array, b: Array, *sizes: Array, axes: int = 1) -> Array:
     scale = np.maximum(abs(a).max(along, initial=0), abs(b).max(along, initial=0))
     for size in sizes:
         scale = np.maximum(scale, size)
-    return abs(a - b).max(along, initial=0) / np.where(scale > 0, scale, 1)
+    return abs(a - b).max(along, initial=0) / np.where(scale == 0, 1, scale)
 
 
 # central differences of eighth order
@@ -129,8 +129,10 @@ def inertia_symmetric(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
 @law("M is positive definite when the links are physical", 0.0)
 def inertia_positive(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
     """Zero where the smallest eigenvalue is positive, else its share of the largest."""
-    moments = np.linalg.eigvalsh(robot.mass_matrix(q))
-    share = moments[..., 0] / moments[..., -1]
+    M = robot.mass_matrix(q)
+    finite = np.isfinite(M).all((-1, -2))
+    moments = np.linalg.eigvalsh(np.where(finite[..., None, None], M, 1.0))  # it refuses NaN
+    share = np.where(finite, moments[..., 0] / moments[..., -1], np.nan)
     return np.where(share > 0, 0.0, np.maximum(-share, np.finfo(float).tiny))
 
 
@@ -251,6 +253,15 @@ def gravity_is_slope_of_energy(robot: Robot, q: Array, qd: Array, qdd: Array) ->
     return _apart(robot.gravity(q), _gradient(robot.potential_energy, q), _weight(robot))
 
 
+@law("∂g/∂q is the slope of g, and symmetric", DIFFERENCE)
+def gravity_gradient_is_slope(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
+    slope = robot.gravity_gradient(q)
+    return np.maximum(
+        _apart(slope, _gradient(robot.gravity, q), _weight(robot), axes=2),
+        _apart(slope, slope.swapaxes(-1, -2), axes=2),
+    )
+
+
 def _weight(robot: Robot) -> Array:
     """The weight of the links at one metre [N·m]: what a torque of gravity is compared with."""
     mass = sum(link.inertia.mass for link in robot.links if link.inertia is not None)
@@ -301,7 +312,9 @@ def energy_balance(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
     pace = np.where(pace > 0, pace, 1.0)
     scaled = _slope(lambda t: _energy_at(robot, q, qd, qdd, t / pace))
     power = scaled * pace[..., 0]
-    size = (abs(qd) * abs(tau)).sum(-1) + _weight(robot) * abs(qd).max(-1)
+    speed = abs(qd).max(-1)
+    size = (abs(qd) * abs(tau)).sum(-1) + _weight(robot) * speed
+    size = size + _inertial_size(robot, q, qd) * speed**2
     return _apart(_dot(qd, tau)[..., None], power[..., None], size)
 
 

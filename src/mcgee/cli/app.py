@@ -5,11 +5,13 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
 import mcgee
+from mcgee.cli import explain as explain_view
 from mcgee.cli import terms as terms_view
 from mcgee.cli.state import read_state
 
@@ -29,7 +31,17 @@ RobotArgument = Annotated[
         metavar="ROBOT", help="A URDF file, or a built-in arm such as planar_2r, puma560 or panda."
     ),
 ]
-StateOption = "comma-separated, one for each joint (0.5,0.3) or by name (elbow=0.3, others zero)"
+PositionOption = Annotated[
+    str,
+    typer.Option(
+        "--q",
+        help="Joint positions [rad | m]: comma-separated, one for each joint (0.5,0.3) or by name "
+        "(elbow=0.3, others zero).",
+    ),
+]
+VelocityOption = Annotated[
+    str, typer.Option("--qd", help="Joint velocities [rad/s | m/s], in the same form.")
+]
 DegreesOption = Annotated[
     bool, typer.Option("--degrees", help="Read and show angles in degrees; M, C and g stay in SI.")
 ]
@@ -61,10 +73,8 @@ def _common(
 )
 def terms(
     robot: RobotArgument,
-    q: Annotated[str, typer.Option("--q", help=f"Joint positions [rad | m]: {StateOption}.")] = "",
-    qd: Annotated[
-        str, typer.Option("--qd", help="Joint velocities [rad/s | m/s], in the same form.")
-    ] = "",
+    q: PositionOption = "",
+    qd: VelocityOption = "",
     degrees: DegreesOption = False,
     json: JsonOption = False,
 ) -> None:
@@ -75,6 +85,37 @@ def terms(
         (terms_view.print_json if json else terms_view.print_tables)(arm, state)
 
 
+@app.command(
+    no_args_is_help=True,
+    epilog="Example:  mcgee explain planar_2r --q 0.5,0.3 --qd 0.1,-0.2",
+)
+def explain(
+    robot: RobotArgument,
+    q: PositionOption = "",
+    qd: VelocityOption = "",
+    qdd: Annotated[
+        str, typer.Option("--qdd", help="Joint accelerations [rad/s² | m/s²], in the same form.")
+    ] = "",
+    frame: Annotated[
+        str | None, typer.Option("--frame", help="Where a hand would push; the end by default.")
+    ] = None,
+    html: Annotated[
+        Path | None, typer.Option("--html", metavar="FILE", help="Write an interactive page too.")
+    ] = None,
+    degrees: DegreesOption = False,
+    json: JsonOption = False,
+) -> None:
+    """Say what M, C and g mean for a robot in one state: in figures and in words."""
+    with reported():
+        arm = mcgee.load(robot)
+        state = read_state(arm, q, qd, qdd, degrees=degrees)
+        explanation = arm.explain(state.q, state.qd, state.qdd, frame=frame)
+        if html is not None:
+            explanation.to_html(html)
+            typer.echo(f"mcgee: wrote {html}", err=True)
+        explain_view.print_json(explanation) if json else explain_view.print_report(explanation)
+
+
 @contextmanager
 def reported() -> Iterator[None]:
     """Warnings as one line each on stderr; what a user got wrong as one line and exit code 2."""
@@ -83,7 +124,7 @@ def reported() -> Iterator[None]:
         warnings.showwarning = _show
         try:
             yield
-        except ValueError as error:
+        except (ValueError, ModuleNotFoundError) as error:
             typer.echo(f"mcgee: error: {error}", err=True)
             raise typer.Exit(2) from None
 

@@ -14,17 +14,20 @@ from mcgee.robot import Robot
 class State:
     q: np.ndarray
     qd: np.ndarray
+    qdd: np.ndarray
     degrees: bool
-    """Whether the user speaks of angles in degrees; q and qd are in radians all the same."""
+    """Whether the user speaks of angles in degrees; q, qd and qdd are in radians all the same."""
 
 
-def read_state(robot: Robot, q: str, qd: str, *, degrees: bool = False) -> State:
+def read_state(robot: Robot, q: str, qd: str, qdd: str = "", *, degrees: bool = False) -> State:
     """
     Raises: ValueError: not numbers, not n of them, or an unknown joint
     """
     turns = np.array([joint.kind != "prismatic" for joint in robot.independent_joints])
     unit = np.where(turns & degrees, math.pi / 180, 1.0)
-    return State(_numbers(robot, "--q", q) * unit, _numbers(robot, "--qd", qd) * unit, degrees)
+    options = (("--q", q), ("--qd", qd), ("--qdd", qdd))
+    values = [_numbers(robot, option, text) * unit for option, text in options]
+    return State(values[0], values[1], values[2], degrees)
 
 
 def _numbers(robot: Robot, option: str, text: str) -> np.ndarray:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable, Sequence
 
 import numpy as np
 from rich import box
@@ -14,6 +13,7 @@ from rich.text import Text
 
 from mcgee.cli.state import State
 from mcgee.robot import Robot, Terms
+from mcgee.typeset import aligned
 
 COLUMNS = 7
 """Columns of M side by side in 80 characters."""
@@ -56,7 +56,7 @@ def _state_table(robot: Robot, state: State, terms: Terms) -> Table:
     shown = np.where(turns & state.degrees, 180 / math.pi, 1.0)
     columns = (state.q * shown, state.qd * shown, terms.Cqd, terms.g)
     angle = "deg" if state.degrees else "rad"
-    for i, row in enumerate(zip(*(_aligned(column) for column in columns), strict=True)):
+    for i, row in enumerate(zip(*(aligned(column) for column in columns), strict=True)):
         unit = f"{angle}, {angle}/s, N·m" if turns[i] else "m, m/s, N"
         table.add_row(str(i + 1), Text(joints[i].name), *row, unit)
     return table
@@ -69,7 +69,7 @@ def _matrix_table(robot: Robot, M: np.ndarray, columns: range) -> Table:
     table.add_column("", justify="right")
     for j in columns:
         table.add_column(str(j + 1), justify="right", min_width=7)
-    entries = _aligned(M[:, columns].ravel(), abs(M).max())
+    entries = aligned(M[:, columns].ravel(), abs(M).max())
     for i in range(robot.n):
         table.add_row(str(i + 1), *entries[i * len(columns) : (i + 1) * len(columns)])
     return table
@@ -79,22 +79,3 @@ def _table(title: str) -> Table:
     return Table(
         title=Text(title, style="bold"), title_justify="left", box=box.SIMPLE_HEAD, padding=(0, 1)
     )
-
-
-DIGITS = 5
-
-
-def _aligned(values: Iterable[float], largest: float | None = None) -> Sequence[str]:
-    """Numbers with the same decimals: DIGITS significant ones in the largest, zeros as 0."""
-    values = [float(v) for v in values]
-    top = largest if largest is not None else max((abs(v) for v in values), default=0.0)
-    magnitude = math.floor(math.log10(top)) if top > 0 and math.isfinite(top) else 0
-    decimals = min(max(DIGITS - 1 - magnitude, 0), DIGITS + 1)
-    least = 0.5 * 10.0**-decimals
-
-    def text(v: float) -> str:
-        if abs(v) <= 1e-15 * top:
-            return "0"
-        return f"{v:.0e}" if abs(v) < least else f"{v:.{decimals}f}"
-
-    return [text(v) for v in values]

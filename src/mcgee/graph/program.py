@@ -79,6 +79,6 @@ def evaluate(program: Program, *arrays: Any) -> list[np.ndarray]:
     results, start = [], 0
     for array in program.outputs:
         flat = np.stack(columns[start : start + array.size], axis=-1)
-        results.append(flat.reshape(*lead, *array.shape))
+        results.append(flat.reshape(lead + array.shape))
         start += array.size
     return results

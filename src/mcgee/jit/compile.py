@@ -5,8 +5,10 @@ from __future__ import annotations
 import ctypes
 import ctypes.util
 import hashlib
+import os
 import sys
 import threading
+from functools import cache as remembered
 from typing import Any
 
 from mcgee.graph.program import Program
@@ -16,7 +18,22 @@ from mcgee.jit.loop import loop_ir
 from mcgee.jit.sincos import sincos_ir
 from mcgee.jit.target import Target, host
 
+SETTINGS = {"opt": 2, "reloc": "pic", "jit": True}
+"""Of the code generator; part of the cache's key, as is everything else that shapes an object."""
+
+PYTHON_FUNCTIONS = (
+    "PyMem_RawMalloc",
+    "PyMem_RawFree",
+    "PyGILState_Ensure",
+    "PyErr_NoMemory",
+    "PyGILState_Release",
+)
+
 _lock = threading.Lock()
+if hasattr(os, "register_at_fork"):  # a child must not inherit a lock that nobody will release
+    os.register_at_fork(
+        before=_lock.acquire, after_in_parent=_lock.release, after_in_child=_lock.release
+    )
 _kept: list = []  # linked code lives as long as the process
 
 
@@ -39,7 +56,7 @@ def _key(text: str, target: Target) -> str:
     import llvmlite.binding as llvm
 
     versions = f"{llvmlite.__version__} {llvm.llvm_version_info}"
-    parts = (versions, target.triple, target.cpu, target.features, text)
+    parts = (versions, repr(SETTINGS), target.triple, target.cpu, target.features, text)
     return hashlib.sha256("\0".join(parts).encode()).hexdigest()
 
 
@@ -47,7 +64,7 @@ def _machine(target: Target) -> Any:
     import llvmlite.binding as llvm
 
     return llvm.Target.from_triple(target.triple).create_target_machine(
-        cpu=target.cpu, features=target.features, opt=2, reloc="pic", jit=True
+        cpu=target.cpu, features=target.features, **SETTINGS
     )
 
 
@@ -65,7 +82,9 @@ def _object(text: str, target: Target) -> bytes:
 def _linked(code: bytes, key: str) -> int:
     import llvmlite.binding as llvm
 
-    linker = llvm.create_lljit_compiler(_machine(host()))
+    target = host()
+    # on Arm the older linker may map sections too far apart for their relocations
+    linker = llvm.create_lljit_compiler(_machine(target), use_jit_link=target.arm64)
     library = llvm.JITLibraryBuilder().add_object_img(code).export_symbol("loop")
     for name, address in _symbols().items():
         library = library.import_symbol(name, address)
@@ -74,16 +93,13 @@ def _linked(code: bytes, key: str) -> int:
     return tracker["loop"]
 
 
+@remembered
 def _symbols() -> dict[str, int]:
     """Functions of this process that kernels call; they enter by name, never as numbers."""
     name = "ucrtbase" if sys.platform == "win32" else ctypes.util.find_library("m")
     mathematics = ctypes.CDLL(name)
-    functions = {
-        "cos": mathematics.cos,
-        "sin": mathematics.sin,
-        "PyMem_RawMalloc": ctypes.pythonapi.PyMem_RawMalloc,
-        "PyMem_RawFree": ctypes.pythonapi.PyMem_RawFree,
-    }
+    functions = {name: getattr(mathematics, name) for name in ("cos", "sin")}
+    functions |= {name: getattr(ctypes.pythonapi, name) for name in PYTHON_FUNCTIONS}
     return {
         name: ctypes.cast(function, ctypes.c_void_p).value or 0
         for name, function in functions.items()

@@ -73,14 +73,14 @@ def _places(program: Program) -> dict[Node, int]:
 def _slots(
     program: Program, places: dict[Node, int]
 ) -> tuple[tuple[int, ...], tuple[tuple[int, float], ...], int]:
-    values: dict[float, int] = {}
+    values: dict[str, int] = {}  # in hexadecimal, which tells -0.0 from 0.0
     slots = []
     for root in program.roots:
         if isinstance(root, Node):
             slots.append(places[root])
         else:
-            slots.append(values.setdefault(float(root), len(places) + len(values)))
-    constants = tuple((slot, value) for value, slot in values.items())
+            slots.append(values.setdefault(float(root).hex(), len(places) + len(values)))
+    constants = tuple((slot, float.fromhex(value)) for value, slot in values.items())
     return tuple(slots), constants, len(places) + len(values)
 
 

@@ -19,7 +19,7 @@ from mcgee.jit.target import Target
 CORE = 3
 """Core dimensions an operand may have; those it lacks have size 1."""
 
-STACK = 1 << 17
+STACK = 1 << 15
 """Bytes of tile that may live on a thread's stack."""
 
 
@@ -34,7 +34,8 @@ def loop_ir(program: Program, kernel: Kernel, target: Target) -> str:
     lines += _operands(arrays)
     if large:
         lines.append(f"%tile = call ptr @PyMem_RawMalloc(i64 {total * w * 8})")
-        lines += ["%lost = icmp eq ptr %tile, null", "br i1 %lost, label %out, label %start"]
+        lines += ["%none = icmp eq ptr %tile, null", "br i1 %none, label %starved, label %start"]
+        lines += _NO_MEMORY
     else:
         lines += [f"%tile = alloca [{total * w} x double], align 64", "br label %start"]
     lines += ["start:", f"%results = getelementptr double, ptr %tile, i64 {in_tile * w}"]
@@ -56,13 +57,30 @@ def loop_ir(program: Program, kernel: Kernel, target: Target) -> str:
     text = common_ir(w)
     text += "".join(copies_ir(w, b) for b in sorted({chunk(array, w) for array in arrays}))
     text += _tables(program, kernel)
-    declared = "declare ptr @PyMem_RawMalloc(i64)\ndeclare void @PyMem_RawFree(ptr)\n"
     return (
         text
-        + (declared if large else "")
+        + (_PYTHON if large else "")
         + "\ndefine void @loop(ptr %args, ptr %dims, ptr %steps, ptr %data) nounwind {\n"
         + f"{body}\n}}\n"
     )
+
+
+_PYTHON = """
+declare ptr @PyMem_RawMalloc(i64)
+declare void @PyMem_RawFree(ptr)
+declare i32 @PyGILState_Ensure()
+declare ptr @PyErr_NoMemory()
+declare void @PyGILState_Release(i32)
+"""
+
+# NumPy looks for a Python error when the loop is done
+_NO_MEMORY = [
+    "starved:",
+    "%held = call i32 @PyGILState_Ensure()",
+    "%error = call ptr @PyErr_NoMemory()",
+    "call void @PyGILState_Release(i32 %held)",
+    "br label %out",
+]
 
 
 def _operands(arrays: Sequence[Array]) -> list[str]:

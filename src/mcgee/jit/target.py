@@ -16,6 +16,7 @@ class Target:
     """float64 values in one vector register."""
     fma: bool
     """Whether a multiply-add with one rounding is one instruction."""
+    arm64: bool = False
 
 
 @cache
@@ -31,6 +32,7 @@ def host() -> Target:
         features=features.flatten(),
         lanes=_lanes(features),
         fma=bool(features.get("fma")) or _is_arm64(),
+        arm64=_is_arm64(),
     )
 
 

@@ -47,11 +47,9 @@ def signature(program: Program) -> str:
 def _constructor() -> Callable[..., np.ufunc]:
     core = "numpy._core" if int(np.__version__.split(".")[0]) > 1 else "numpy.core"
     umath = importlib.import_module(f"{core}._multiarray_umath")
-    pointer = ctypes.pythonapi.PyCapsule_GetPointer
-    pointer.restype, pointer.argtypes = ctypes.c_void_p, [ctypes.py_object, ctypes.c_char_p]
-    table = pointer(umath._UFUNC_API, None)
+    prototype = ctypes.PYFUNCTYPE(ctypes.c_void_p, ctypes.py_object, ctypes.c_char_p)
+    table = prototype(("PyCapsule_GetPointer", ctypes.pythonapi))(umath._UFUNC_API, None)
     api = (ctypes.c_void_p * (FROM_SIGNATURE + 1)).from_address(table)
     constructor: int = api[FROM_SIGNATURE] or 0
     p, i = ctypes.c_void_p, ctypes.c_int
-    prototype = ctypes.PYFUNCTYPE(ctypes.py_object, p, p, p, i, i, i, i, p, p, i, p)
-    return prototype(constructor)
+    return ctypes.PYFUNCTYPE(ctypes.py_object, p, p, p, i, i, i, i, p, p, i, p)(constructor)

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import threading
 from collections.abc import Callable
+from functools import cached_property
+from types import MethodType
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import numpy as np
@@ -16,13 +19,16 @@ if TYPE_CHECKING:
 
 F = TypeVar("F", bound=Callable)
 _lock = threading.RLock()
+if hasattr(os, "register_at_fork"):  # a child must not inherit a lock that nobody will release
+    os.register_at_fork(
+        before=_lock.acquire, after_in_parent=_lock.release, after_in_child=_lock.release
+    )
 
 
 class Quantity:
     """A method whose body is a compiled kernel; the function it is made from documents it.
 
-    The kernel is compiled when the attribute is first looked up, and from then on stands in the
-    instance itself: later calls pass through no Python code but their own error handling.
+    Looking it up puts a `Bound` into the robot itself, which compiles at its first call.
     """
 
     def __init__(self, stub: Callable):
@@ -35,35 +41,46 @@ class Quantity:
     def __get__(self, robot: Robot | None, owner: type) -> Callable:
         if robot is None:
             return self.stub
-        call = callable_for(robot, self.name)
-        call.__doc__, call.__name__ = self.__doc__, self.name
-        robot.__dict__[self.name] = call
-        return call
+        bound = robot.__dict__[self.name] = Bound(robot, self.name, stub=self.stub)
+        return bound
 
 
 def quantity(stub: F) -> F:
     return cast(F, Quantity(stub))
 
 
-def callable_for(robot: Robot, name: str, *options: str) -> Callable:
-    """The quantity as a function of arrays that answers bad arguments with one clear sentence.
+class Bound:
+    """A quantity of a robot as a function of arrays, with one clear sentence for bad ones."""
 
-    Its attribute `ufunc` is the NumPy gufunc behind it.
-    """
-    ufunc = compiled(robot, name, *options)
-    names = build.SIGNATURES[name].inputs
+    def __init__(self, robot: Robot, name: str, *options: str, stub: Callable | None = None):
+        self.robot, self.options, self.inputs = robot, options, build.SIGNATURES[name].inputs
+        self.__name__ = name
+        if stub is not None:
+            self.__doc__, self.__wrapped__ = stub.__doc__, MethodType(stub, robot)
 
-    def call(*args: Any, **kwargs: Any) -> Any:
+    @cached_property
+    def ufunc(self) -> np.ufunc:
+        """The NumPy gufunc behind it."""
+        return compiled(self.robot, self.__name__, *self.options)
+
+    def __call__(self, *args: Any, **kwargs: Any) -> Any:
+        ufunc = self.ufunc
         try:
             return ufunc(*args, **kwargs)
         except (TypeError, ValueError) as error:
             refusal = error
-        if kwargs.keys() & set(names):
-            return call(*_positional(name, names, args, kwargs), **kwargs)
-        raise _explained(robot, name, names, args, refusal)
+        if kwargs.keys() & set(self.inputs):
+            return self(*_positional(self.__name__, self.inputs, args, kwargs), **kwargs)
+        raise _explained(self.robot, self.__name__, self.inputs, args, refusal)
 
-    call.ufunc = ufunc  # type: ignore[attr-defined]
-    return call
+    def __repr__(self) -> str:
+        takes = ", ".join(self.inputs)
+        return f"<{self.__name__}({takes}) of robot '{self.robot.name}'>"
+
+    def __reduce__(self) -> tuple:
+        if self.options:
+            return Bound, (self.robot, self.__name__, *self.options)
+        return getattr, (self.robot, self.__name__)
 
 
 def compiled(robot: Robot, name: str, *options: str) -> np.ufunc:
@@ -77,8 +94,29 @@ def compiled(robot: Robot, name: str, *options: str) -> np.ufunc:
                     f"kernels need numbers. Give them with "
                     f"arm.subs({{{', '.join(f'{s!r}: …' for s in robot.symbols[:3])}}})."
                 )
-            known[name, options] = gufunc(build.trace(robot.mechanism, name, *options))
+            try:
+                program = build.trace(robot.mechanism, name, *options)
+            except ZeroDivisionError:
+                raise ValueError(_singular(robot, name)) from None
+            known[name, options] = gufunc(program)
         return known[name, options]
+
+
+def _singular(robot: Robot, name: str) -> str:
+    """Why M has no inverse, whatever the pose."""
+    below = [
+        np.array([b.mass, *b.inertia, b.armature * b.multiplier**2], float)
+        for b in robot.mechanism.bodies
+    ]
+    for i, body in reversed(list(enumerate(robot.mechanism.bodies))):
+        if body.parent >= 0:
+            below[body.parent] = below[body.parent] + below[i]
+    idle = [b.name for b, held in zip(robot.mechanism.bodies, below, strict=True) if not held.any()]
+    joint = f"joint '{idle[0]}' moves nothing that has inertia" if idle else "some joint is free"
+    return (
+        f"{name} of robot '{robot.name}' does not exist: M is singular in every pose, {joint}. "
+        f"Give the links beyond it mass and inertia, or the joint an armature."
+    )
 
 
 def _positional(
@@ -117,4 +155,16 @@ def _explained(
                 f"{wanted} has shape {array.shape}, expected (..., {robot.n}) for robot "
                 f"'{robot.name}'. Joints: {', '.join(robot.joint_names)}."
             )
-    return type(error)(f"{name} of robot '{robot.name}': {error}")
+    leads = [np.shape(given)[:-1] for given in args[: len(names)]]
+    try:
+        np.broadcast_shapes(*leads)
+    except ValueError:
+        shapes = ", ".join(
+            f"{wanted} {np.shape(given)}" for wanted, given in zip(names, args, strict=False)
+        )
+        return ValueError(
+            f"{name} of robot '{robot.name}' got {shapes}: the dimensions before the last do not "
+            f"broadcast."
+        )
+    kind = TypeError if isinstance(error, TypeError) else ValueError  # NumPy's own take more
+    return kind(f"{name} of robot '{robot.name}': {error}")

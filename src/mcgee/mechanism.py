@@ -7,9 +7,10 @@ before it; -1 is the ground.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from types import MappingProxyType
 
 from mcgee.model import Frame, Inertia, Joint, Link, Pose, Vec3, frame_on_axis, map_numbers
 from mcgee.scalar import Scalar
@@ -49,7 +50,7 @@ class Mass:
 class Mechanism:
     bodies: tuple[Body, ...]
     masses: tuple[Mass, ...]
-    frames: dict[str, tuple[int, Pose]]
+    frames: Mapping[str, tuple[int, Pose]]
     gravity: Vec3
     n: int
 
@@ -64,6 +65,8 @@ class Mechanism:
 
     def joint_space(self, x: Sequence[Scalar]) -> list[Scalar]:
         """Each body's own joint position or velocity from the coordinates."""
+        if len(x) != self.n:
+            raise ValueError(f"got {len(x)} joint coordinates, expected {self.n}.")
         return [
             x[b.coordinate] if b.multiplier == 1 else x[b.coordinate] * b.multiplier
             for b in self.bodies
@@ -131,7 +134,8 @@ def reduce(
     seats_of_frames = {
         frame.name: (seats[frame.link][0], seats[frame.link][1] @ frame.pose) for frame in frames
     }
-    return Mechanism(tuple(bodies), masses, seats | seats_of_frames, gravity, len(independent))
+    frames_ = MappingProxyType(seats | seats_of_frames)
+    return Mechanism(tuple(bodies), masses, frames_, gravity, len(independent))
 
 
 def _empty_body(

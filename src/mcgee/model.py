@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -161,7 +161,7 @@ class Joint:
     coulomb: Scalar = 0.0
     """Coulomb friction [N·m | N]; data, not part of the equation of motion."""
     mimic: Mimic | None = None
-    place: str = ""
+    place: str = dataclasses.field(default="", compare=False)
     """Where the description says it: 'arm.urdf:12: '."""
 
     @property
@@ -173,7 +173,7 @@ class Joint:
 class Link:
     name: str
     inertia: Inertia | None = None
-    place: str = ""
+    place: str = dataclasses.field(default="", compare=False)
 
 
 @dataclass(frozen=True)
@@ -194,7 +194,7 @@ def map_numbers(x: Any, convert: Callable[[Scalar], Scalar]) -> Any:
         )
     if isinstance(x, tuple):
         return tuple(map_numbers(v, convert) for v in x)
-    if isinstance(x, dict):
+    if isinstance(x, Mapping):
         return {key: map_numbers(v, convert) for key, v in x.items()}
     return x if x is None or isinstance(x, (str, int)) else convert(x)
 

@@ -69,7 +69,7 @@ def gravity(m: Mechanism, q: Coordinates) -> list[Scalar]:
 
 
 def gravity_gradient(m: Mechanism, q: Coordinates) -> list[list[Scalar]]:
-    return _project(m, gravity_slope(m, m.joint_space(q)), 2)
+    return _mirrored(_project(m, gravity_slope(m, m.joint_space(q)), 2))
 
 
 def terms(

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from mcgee import validate
-from mcgee.kernels import callable_for, quantity
+from mcgee.kernels import Bound, quantity
 from mcgee.mechanism import GROUND, Mechanism, depth_first, reduce, root_of
 from mcgee.model import Frame, Joint, Link, Vec3, is_number, map_numbers
 from mcgee.scalar import Scalar, plain
@@ -135,14 +135,14 @@ class Robot:
 
     @cached_property
     def symbols(self) -> tuple[str, ...]:
-        """The names of parameters that are still symbols; kernels need none."""
+        """The names of parameters that are still symbols; kernels want numbers."""
         found: set[str] = set()
 
-        def collect(x: Scalar) -> Scalar:
+        def collect(x: Any) -> Any:
             found.update(str(symbol) for symbol in getattr(x, "free_symbols", ()))
             return x
 
-        self.mechanism.map(collect)
+        map_numbers((self.links, self.joints, self.frames, self.gravity_vector), collect)
         return tuple(sorted(found))
 
     def __repr__(self) -> str:
@@ -188,21 +188,48 @@ class Robot:
             armature, viscous, coulomb: by joint name, for the joints to change
         Raises: ValueError: a joint that does not exist
         """
-        joints = {joint.name: joint for joint in self.joints}
+        joints = self.joints
         for what, values in (("armature", armature), ("viscous", viscous), ("coulomb", coulomb)):
-            for joint, value in (values or {}).items():
-                if joint not in joints:
-                    raise ValueError(
-                        f"{what} names joint '{joint}', which robot '{self.name}' has not. "
-                        f"Joints: {', '.join(joints)}."
-                    )
-                joints[joint] = dataclasses.replace(joints[joint], **{what: plain(value)})
-        field_ = self.gravity_vector if gravity_vector is None else gravity_vector
+            if values is not None:
+                joints = self._with(joints, what, values)
+        field_ = self.gravity_vector
+        if gravity_vector is not None:
+            if (
+                isinstance(gravity_vector, str)
+                or len(np.shape(gravity_vector)) != 1
+                or len(gravity_vector) != 3
+            ):
+                raise ValueError(
+                    f"gravity_vector is {gravity_vector!r}, expected 3 numbers [m/s²]."
+                )
+            x, y, z = (plain(v, "gravity_vector") for v in gravity_vector)
+            field_ = (x, y, z)
         return dataclasses.replace(
             self,
             name=self.name if name is None else name,
-            gravity_vector=tuple(plain(v) for v in field_),
-            joints=tuple(joints.values()),
+            gravity_vector=field_,
+            joints=joints,
+        )
+
+    def _with(
+        self, joints: tuple[Joint, ...], what: str, values: Mapping[str, Scalar]
+    ) -> tuple[Joint, ...]:
+        """The joints with one of their numbers changed, by joint name."""
+        if not isinstance(values, Mapping):
+            raise ValueError(f"{what} is {values!r}, expected a mapping from joint names.")
+        moving = [joint.name for joint in joints if joint.moves]
+        for name in values:
+            if name not in moving:
+                raise ValueError(
+                    f"{what} names joint '{name}', which robot '{self.name}' has not among its "
+                    f"moving joints: {', '.join(moving)}."
+                )
+        numbers = {name: plain(v, f"{what} of joint '{name}'") for name, v in values.items()}
+        return tuple(
+            dataclasses.replace(joint, place="", **{what: numbers[joint.name]})
+            if joint.name in numbers
+            else joint
+            for joint in joints
         )
 
     def subs(self, values: Mapping[Any, Scalar]) -> Robot:
@@ -212,7 +239,9 @@ class Robot:
             values: by symbol or by symbol name
         Raises: ValueError: a name that is no symbol of this robot
         """
-        named = {str(symbol): value for symbol, value in values.items()}
+        if not isinstance(values, Mapping):
+            raise ValueError(f"subs takes a mapping from symbols to numbers, got {values!r}.")
+        named = {str(s): plain(value, f"symbol '{s}'") for s, value in values.items()}
         for name in named:
             if name not in self.symbols:
                 known = ", ".join(self.symbols) or "none; all its parameters are numbers"
@@ -223,7 +252,8 @@ class Robot:
         def put(x: Any) -> Any:
             if not hasattr(x, "free_symbols"):
                 return x
-            return plain(x.subs([(s, named[str(s)]) for s in x.free_symbols if str(s) in named]))
+            put_in = [(s, named[str(s)]) for s in x.free_symbols if str(s) in named]
+            return plain(x.subs(put_in, simultaneous=True), "a parameter")
 
         fields = ("links", "joints", "frames", "gravity_vector")
         return dataclasses.replace(self, **{f: map_numbers(getattr(self, f), put) for f in fields})
@@ -448,12 +478,12 @@ class Robot:
         known = self.__dict__.setdefault("_calls", {})
         call = known.get((name, options))
         if call is None:
-            call = known[name, options] = callable_for(self, name, *options)
+            call = known[name, options] = Bound(self, name, *options)
         return call
 
     def _frame(self, frame: str | None) -> str:
         name = self.end_frame if frame is None else frame
-        if name not in self.mechanism.frames:
+        if not isinstance(name, str) or name not in self.mechanism.frames:
             raise ValueError(
                 f"frame is {frame!r}, which robot '{self.name}' has not. "
                 f"Frames: {', '.join(self.frame_names)}."

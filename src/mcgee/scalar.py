@@ -29,11 +29,19 @@ def cos_sin(x: Scalar) -> tuple[Scalar, Scalar]:
     return library.cos(x), library.sin(x)
 
 
-def plain(x: Scalar) -> Scalar:
-    """NumPy and SymPy numbers as floats; symbols as they are."""
+def plain(x: Scalar, what: str) -> Scalar:
+    """Numbers of any library as floats; expressions with symbols as they are.
+
+    Raises: ValueError: neither; `what` says in the message whose number it is
+    """
     if getattr(x, "free_symbols", None):
         return x
-    return float(x)
+    try:
+        if isinstance(x, (str, bytes)):
+            raise TypeError
+        return float(x)
+    except (TypeError, ValueError):
+        raise ValueError(f"{what} is {x!r}, expected a number.") from None
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,9 @@ from mcgee.mechanism import GROUND, Mechanism, reduce
 from mcgee.model import KINDS, Frame, Inertia, Joint, Link, Pose, Vec3, is_number
 from mcgee.scalar import Scalar
 
+MOST = 5000
+"""Links: far beyond any robot, and checked in a moment."""
+
 # -- what must hold -------------------------------------------------------------------------------
 
 
@@ -20,6 +23,13 @@ def check(
     gravity: Vec3,
 ) -> None:
     """Raise ModelError unless this is one tree of named links with usable numbers."""
+    if not isinstance(name, str) or not name.isprintable():
+        raise ModelError(f"a robot is named {name!r}, expected a printable text.")
+    if max(len(links), len(joints)) > MOST:
+        raise ModelError(
+            f"{links[0].place}robot '{name}' has {len(links)} links and {len(joints)} joints; at "
+            f"most {MOST} are read."
+        )
     if not links:
         raise ModelError(
             f"robot '{name}' has no links. Describe at least a base and a moving link."
@@ -44,6 +54,10 @@ def check(
 
 
 def _check_names(links: Sequence[Link], joints: Sequence[Joint], frames: Sequence[Frame]) -> None:
+    for what, items in (("link", links), ("joint", joints), ("frame", frames)):
+        for item in items:
+            if not isinstance(item.name, str) or not item.name or not item.name.isprintable():
+                raise ModelError(f"a {what} is named {item.name!r}, expected a printable text.")
     for what, items in (("link", links), ("joint", joints)):
         seen: dict[str, Any] = {}
         for item in items:
@@ -91,7 +105,8 @@ def _check_joint(joint: Joint, links: set[str]) -> None:
     for what in ("armature", "viscous", "coulomb"):
         value = getattr(joint, what)
         if is_number(value) and not (math.isfinite(value) and (what != "armature" or value >= 0)):
-            raise ModelError(f"{at} has {what} {value:g}, expected a finite number, zero or more.")
+            least = ", zero or more" if what == "armature" else ""
+            raise ModelError(f"{at} has {what} {value:g}, expected a finite number{least}.")
     for what in ("lower", "upper", "velocity", "effort"):
         if math.isnan(getattr(joint, what)):
             raise ModelError(f"{at} has a limit '{what}' that is not a number.")
@@ -107,17 +122,20 @@ def _check_tree(name: str, links: Sequence[Link], joints: Sequence[Joint]) -> No
                 f"closed loops are not supported, so remove one of the two."
             )
         parent[joint.child] = joint
+    rooted: set[str] = set()  # links known to hang on a root
     for joint in joints:
-        seen, link = [joint.child], joint.parent
-        while link in parent:
+        seen, link = {joint.child: None}, joint.parent  # a dict keeps the order
+        while link in parent and link not in rooted:
             if link in seen:
-                loop = " - ".join([*seen[seen.index(link) :][::-1], seen[-1]])
+                path = list(seen)
+                loop = " - ".join([*path[path.index(link) :][::-1], path[-1]])
                 raise ModelError(
                     f"{joint.place}the joints form a cycle through the links {loop}. "
                     f"A robot is a tree with one root link."
                 )
-            seen.append(link)
+            seen[link] = None
             link = parent[link].parent
+        rooted.update(seen)
     roots = [link for link in links if link.name not in parent]
     if len(roots) > 1:
         raise ModelError(
@@ -129,9 +147,10 @@ def _check_tree(name: str, links: Sequence[Link], joints: Sequence[Joint]) -> No
 
 def _check_mimics(joints: Sequence[Joint]) -> None:
     by_name = {joint.name: joint for joint in joints}
+    led: set[str] = set()  # joints known to follow an independent one in the end
     for joint in joints:
-        at, seen, follower = f"{joint.place}joint '{joint.name}'", [joint.name], joint
-        while (mimic := follower.mimic) is not None:
+        at, seen, follower = f"{joint.place}joint '{joint.name}'", {joint.name: None}, joint
+        while (mimic := follower.mimic) is not None and follower.name not in led:
             if mimic.joint not in by_name:
                 movable = _listed(j.name for j in joints if j.moves)
                 raise ModelError(
@@ -145,8 +164,9 @@ def _check_mimics(joints: Sequence[Joint]) -> None:
             _check_finite(
                 joint.place, f"joint '{joint.name}': mimic", (mimic.multiplier, mimic.offset)
             )
-            seen.append(mimic.joint)
+            seen[mimic.joint] = None
             follower = by_name[mimic.joint]
+        led.update(seen)
 
 
 def _check_inertia(link: Link, inertia: Inertia) -> None:

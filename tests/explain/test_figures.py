@@ -338,5 +338,5 @@ def test_free_motion_keeps_the_kinetic_energy():
 def test_two_conventions_of_one_arm_are_the_lessons_fourth_exercise():
     level, down = mcgee.arms.planar_2r(), mcgee.arms.planar_2r(angle_from="down")
     q = np.array([0.4, 0.3])
-    close(level.gravity(q), down.gravity(q + [np.pi / 2, 0]))
+    close(level.gravity(q), down.gravity(q + np.array([np.pi / 2, 0])))
     assert abs(level.gravity(q) - down.gravity(q)).max() > 1

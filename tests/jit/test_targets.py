@@ -10,6 +10,7 @@ import sys
 
 import pytest
 
+from mcgee.jit.compile import PYTHON_FUNCTIONS
 from mcgee.jit.target import _lanes, host
 
 FOREIGN = {
@@ -22,7 +23,7 @@ FOREIGN = {
 }
 # beyond what compile._symbols gives; the Windows stack probe is in ntdll, in every process, and
 # LLVM finds it there; _fltused is a mark that nothing refers to
-KNOWN = {"cos", "sin", "PyMem_RawMalloc", "PyMem_RawFree", "__chkstk", "_fltused", ""}
+KNOWN = {"cos", "sin", *PYTHON_FUNCTIONS, "__chkstk", "_fltused", ""}
 KNOWN |= {"_GLOBAL_OFFSET_TABLE_"}
 
 CROSS = """

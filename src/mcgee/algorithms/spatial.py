@@ -83,9 +83,6 @@ class Matrix:
         return Matrix(t @ self.x, t @ self.y, t @ self.z)
 
 
-NULL = Matrix(ZERO, ZERO, ZERO)
-
-
 def skew(v: Vector) -> Matrix:
     """v× as a matrix: skew(v) @ a == v.cross(a)."""
     return Matrix(Vector(0, -v.z, v.y), Vector(v.z, 0, -v.x), Vector(-v.y, v.x, 0))
@@ -172,7 +169,6 @@ class Force:
 
 
 REST = Motion(ZERO, ZERO)
-NO_FORCE = Force(ZERO, ZERO)
 TURN = Motion(Z, ZERO)  # S of a revolute joint: about its own z
 SLIDE = Motion(ZERO, Z)  # S of a prismatic joint: along its own z
 

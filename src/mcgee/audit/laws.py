@@ -64,8 +64,11 @@ def check(robot: Robot, q: Any, qd: Any, qdd: Any) -> list[Verdict]:
     """Every law on a batch of states.
 
     Args:
-        q, qd, qdd: joint positions, velocities, accelerations (..., n)
+        q, qd, qdd: joint positions, velocities, accelerations (..., n), one state at least
+    Raises: ValueError: no state
     """
+    if not all(np.size(x) for x in (q, qd, qdd)):
+        raise ValueError("laws.check got an empty batch, expected one state at least.")
     return list(_verdicts(robot, *(np.asarray(x, float) for x in (q, qd, qdd))))
 
 

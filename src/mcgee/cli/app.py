@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import io
+import sys
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -49,7 +51,16 @@ JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON, in SI unit
 
 
 def main() -> None:
-    app(prog_name="mcgee")
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")  # a terminal without Greek still shows numbers
+    try:
+        app(prog_name="mcgee")
+    except BrokenPipeError:
+        raise
+    except OSError as error:  # a full disk, say
+        sys.stderr.write(f"mcgee: error: {error}\n")
+        sys.exit(2)
 
 
 def _version(wanted: bool) -> None:

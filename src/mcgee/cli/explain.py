@@ -11,7 +11,7 @@ from mcgee.explain.terminal import WIDTH, report
 
 
 def print_json(explanation: Explanation) -> None:
-    print(json.dumps(explanation.to_dict(), ensure_ascii=False, indent=2, allow_nan=False))
+    print(json.dumps(explanation.to_dict(), indent=2, allow_nan=False))
 
 
 def print_report(explanation: Explanation) -> None:

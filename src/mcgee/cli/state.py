@@ -37,8 +37,16 @@ def _numbers(robot: Robot, option: str, text: str) -> np.ndarray:
     if parts == [""]:
         return values
     if any("=" in part for part in parts):
+        given: set[str] = set()
         for part in parts:
-            joint, _, number = (piece.strip() for piece in part.rpartition("="))
+            joint, equals, number = (piece.strip() for piece in part.rpartition("="))
+            if not equals:
+                raise ValueError(
+                    f"{option} mixes '{part}' with names; give every joint by name, or none."
+                )
+            if joint in given:
+                raise ValueError(f"{option} gives joint '{joint}' twice.")
+            given.add(joint)
             if joint not in robot.joint_names:
                 raise ValueError(
                     f"{option} names joint '{joint}', which robot '{robot.name}' has not. "

@@ -35,7 +35,12 @@ def print_json(robot: Robot, state: State) -> None:
         "qd": state.qd.tolist(),
         **{name: values.tolist() for name, values in zip(Terms._fields, terms, strict=True)},
     }
-    print(json.dumps(report, ensure_ascii=False, indent=2))
+    try:
+        print(json.dumps(report, indent=2, allow_nan=False))
+    except ValueError:
+        raise ValueError(
+            "the terms of this state are beyond float64: take smaller numbers."
+        ) from None
 
 
 def print_tables(robot: Robot, state: State, console: Console | None = None) -> None:

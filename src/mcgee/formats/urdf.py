@@ -21,6 +21,7 @@ from mcgee.formats.xml import Node, Remarks, expand_xacro, parse, read_file, sho
 from mcgee.model import KINDS, ORIGIN, Inertia, Joint, Link, Mimic, Pose, Vec3
 from mcgee.robot import Robot
 from mcgee.scalar import read_angle
+from mcgee.validate import MOST
 
 # Below what doubles resolve beside lengths of order one: the 6.1e-17 that cos(pi/2) leaves in
 # exported axes, angles and offsets. Taken literally it costs operations where a zero belongs.
@@ -105,6 +106,9 @@ def describe(text: str | bytes, source: str, mimic: bool = True) -> Description:
     _check_is_urdf(root)
     if not root.all("link"):
         raise root.error("has no <link>. Describe at least a base and a moving link.")
+    for what in ("link", "joint"):
+        if len(root.all(what)) > MOST:
+            raise root.error(f"has {len(root.all(what))} <{what}>; at most {MOST} are read.")
     name = root.name("name")
     _skip_unread(root, remarks)
     links = tuple(_link(node, remarks) for node in root.all("link"))

@@ -35,6 +35,7 @@ if hasattr(os, "register_at_fork"):  # a child must not inherit a lock that nobo
         before=_lock.acquire, after_in_parent=_lock.release, after_in_child=_lock.release
     )
 _kept: list = []  # linked code lives as long as the process
+_linked_here: dict[str, int] = {}
 
 
 def compiled(program: Program) -> int:
@@ -44,11 +45,13 @@ def compiled(program: Program) -> int:
     text = sincos_ir(target) + kernel.text + loop_ir(program, kernel, target)
     key = _key(text, target)
     with _lock:
-        code = cache.read(key)
-        if code is None:
-            code = _object(text, target)
-            cache.write(key, code)
-        return _linked(code, key)
+        if key not in _linked_here:
+            code = cache.read(key)
+            if code is None:
+                code = _object(text, target)
+                cache.write(key, code)
+            _linked_here[key] = _link(code, key)
+        return _linked_here[key]
 
 
 def _key(text: str, target: Target) -> str:
@@ -79,7 +82,7 @@ def _object(text: str, target: Target) -> bytes:
     return machine.emit_object(module)
 
 
-def _linked(code: bytes, key: str) -> int:
+def _link(code: bytes, key: str) -> int:
     import llvmlite.binding as llvm
 
     target = host()

@@ -5,11 +5,12 @@ BIN := .venv/bin
 .PHONY: demo test lint bench clean
 
 demo: .venv/installed
-	$(BIN)/mcgee terms planar_2r --q 0.5,0.3 --qd 0.1,-0.2
-	$(BIN)/mcgee terms src/mcgee/robots/panda.urdf --q 0,-0.8,0,-2.4,0,1.6,0.8 --qd 0.5,0,0,0.5,0,0,1
+	$(BIN)/mcgee explain planar_2r --q 0.5,0.3 --qd 0.1,-0.2 --html planar_2r.html
+	$(BIN)/mcgee explain src/mcgee/robots/panda.urdf --q 0,-0.8,0,-2.4,0,1.6,0.8 \
+	  --qd 0.5,0,0,0.5,0,0,1 --html panda.html
 
 test: .venv/installed-test
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n auto --dist loadfile
 
 lint: .venv/installed-test
 	$(BIN)/ruff format .
@@ -23,11 +24,11 @@ bench: .venv/installed-test
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and \
 	  "mcgee needs Python 3.11 or newer, this is %s; say make PYTHON=python3.x" % sys.version.split()[0])'
 	$(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[plot]'
 	@touch $@
 
 .venv/installed-test: .venv/installed
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[test]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[plot,test]'
 	@touch $@
 
 clean:

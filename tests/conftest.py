@@ -25,17 +25,19 @@ _cache = pytest.StashKey[tempfile.TemporaryDirectory]()
 
 def pytest_configure(config: pytest.Config) -> None:
     """Nothing is compiled from, or into, the user's own cache, not even during collection."""
-    gc.set_threshold(
-        100_000
-    )  # graphs are many small objects; collecting them took 40 % of the time
+    # graphs are many small objects; collecting them took 40 % of the time
+    gc.set_threshold(100_000)
+    if hasattr(config, "workerinput"):
+        return  # a worker shares the cache of the session that started it
     folder = tempfile.TemporaryDirectory(prefix="mcgee-tests-")
     config.stash[_cache] = folder
     os.environ["MCGEE_CACHE_DIR"] = folder.name
 
 
 def pytest_unconfigure(config: pytest.Config) -> None:
-    os.environ.pop("MCGEE_CACHE_DIR", None)
-    config.stash[_cache].cleanup()
+    if _cache in config.stash:
+        os.environ.pop("MCGEE_CACHE_DIR", None)
+        config.stash[_cache].cleanup()
 
 
 @pytest.hookimpl(wrapper=True)

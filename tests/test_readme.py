@@ -40,17 +40,20 @@ def test_commands_run(command):
     assert (result.returncode, result.stderr) == (0, "")
 
 
-def test_demo_prints_both_arms():
+def test_demo_explains_both_arms(tmp_path):
     """`make demo`, with what it installs already there."""
     result = subprocess.run(["make", "-n", "demo"], cwd=ROOT, capture_output=True, text=True)
-    lines = [line for line in result.stdout.splitlines() if line.startswith(".venv/bin/mcgee")]
-    assert len(lines) == 2
-    for line in lines:
-        words = line.split()
+    lines = result.stdout.replace("\\\n", " ").splitlines()
+    commands = [line.split() for line in lines if line.startswith(".venv/bin/mcgee")]
+    assert len(commands) == 2
+    for _, *words in commands:
+        page = tmp_path / words.pop()
+        words = [str(ROOT / word) if word.endswith(".urdf") else word for word in words]
         path = Path(sys.executable).with_name("mcgee")
-        run = subprocess.run([path, *words[1:]], cwd=ROOT, capture_output=True, text=True)
+        run = subprocess.run([path, *words, page], capture_output=True, text=True)
         assert run.returncode == 0
         assert "M(q)" in run.stdout
+        assert page.stat().st_size > 1000
 
 
 def test_the_test_command_is_what_ci_calls():

@@ -27,7 +27,7 @@ MAY_IMPORT = {
     "formats": ["arms", "model", "robot", "scalar", "validate"],  # arms by name, when asked
     "arms": ["formats", "model", "robot", "scalar"],
     "typeset": [],
-    "explain": ["mechanism", "quantities", "robot", "typeset"],
+    "explain": ["mechanism", "model", "quantities", "robot", "typeset"],
     "audit": ["robot"],
     "cli": ["audit", "explain", "robot", "typeset"],
 }

@@ -159,7 +159,7 @@ class _Draw:
         """Of a solid box, turned."""
         m, (a, b, c) = self.rng.uniform(0.2, 4.0), self.rng.uniform(0.02, 0.3, 3) ** 2
         R = self.rotation()
-        I = R @ np.diag([b + c, a + c, a + b]) @ R.T * (m / 3)  # noqa: E741
+        I = R @ np.diag([b + c, a + c, a + b]) @ R.T * (m / 3)
         upper = (I[0, 0], I[0, 1], I[0, 2], I[1, 1], I[1, 2], I[2, 2])
         return Inertia(float(m), self.point(0.2), tuple(float(v) for v in upper))
 

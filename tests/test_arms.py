@@ -177,7 +177,7 @@ def test_planar_2r_exactly_in_symbols():
 
 
 def test_pendulum_of_the_lesson():
-    m, l, lc, I, g0 = 1.3, 0.9, 0.4, 0.07, 9.7  # noqa: E741
+    m, l, lc, I, g0 = 1.3, 0.9, 0.4, 0.07, 9.7
     robot = arms.pendulum(m, l, lc, I, g0)
     for q in (-2.0, 0.0, 0.4, 7.0):
         assert mass_matrix(robot, [q]) == pytest.approx(np.array([[I + m * lc**2]]))
@@ -204,7 +204,7 @@ def test_pendulum_in_the_horizontal_plane_has_no_gravity():
 
 
 def test_pendulum_in_symbols():
-    m, _, lc, I, g0 = symbols = sympy.symbols("m l lc I g0", positive=True)  # noqa: E741
+    m, _, lc, I, g0 = symbols = sympy.symbols("m l lc I g0", positive=True)
     q = sympy.Symbol("q")
     mechanics = mechanism(arms.pendulum(*symbols))
     P = quantities.potential_energy(mechanics, [q])
@@ -229,7 +229,7 @@ def test_planar_nr_of_two_is_planar_2r():
 def test_planar_nr_against_its_energy():
     """T = ½ Σ m |v|² + I ω² with v from the rods' absolute angles, by numeric differentiation."""
     n, h, rng = 5, 1e-6, np.random.default_rng(2)
-    m, l, lc, I = rng.uniform(0.2, 2, (4, n))  # noqa: E741
+    m, l, lc, I = rng.uniform(0.2, 2, (4, n))
     robot = arms.planar_nr(n, m, list(l), tuple(lc), I)
     q, qd = rng.uniform(-3, 3, n), rng.uniform(-1, 1, n)
 
@@ -309,7 +309,7 @@ def test_cart_pole_of_barto_sutton_and_anderson():
 
 
 def test_cart_pole_of_tedrake():
-    mc, mp, l, g = 2.0, 0.6, 0.8, 9.81  # noqa: E741
+    mc, mp, l, g = 2.0, 0.6, 0.8, 9.81
     robot = arms.cart_pole(mc, mp, l, 0.0, g, angle_from="down")
     theta, w = 0.9, -1.7
     M = [[mc + mp, mp * l * math.cos(theta)], [mp * l * math.cos(theta), mp * l**2]]

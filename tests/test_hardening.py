@@ -174,3 +174,10 @@ def test_the_same_arm_again_costs_no_new_code():
     known = len(compile._kept)
     mcgee.load("pendulum").mass_matrix([0.0])
     assert len(compile._kept) == known
+
+
+def test_methods_can_be_called_through_the_class(two):
+    state = [0.1, 0.2]
+    np.testing.assert_array_equal(mcgee.Robot.gravity(two, state), two.gravity(state))
+    assert "the efforts that hold the arm still" in inspect.getdoc(mcgee.Robot.gravity)
+    assert str(inspect.signature(mcgee.Robot.coriolis)).startswith("(self, q")

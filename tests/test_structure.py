@@ -98,5 +98,5 @@ def test_import_is_light():
     """`import mcgee` loads neither the compiler nor parsers nor plotting."""
     code = "import sys, mcgee; print(*sys.modules)"
     loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout
-    heavy = {"llvmlite", "lxml", "sympy", "typer", "rich", "scipy", "matplotlib"}
+    heavy = {"llvmlite", "lxml", "sympy", "typer", "rich", "scipy", "plotly"}
     assert not heavy & set(loaded.split())

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Callable
-from functools import cached_property
+from functools import cached_property, update_wrapper
 from types import MethodType
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
@@ -33,16 +33,19 @@ class Quantity:
 
     def __init__(self, stub: Callable):
         self.stub = stub
-        self.__doc__ = stub.__doc__
+        update_wrapper(self, stub)
 
     def __set_name__(self, owner: type, name: str) -> None:
         self.name = name
 
     def __get__(self, robot: Robot | None, owner: type) -> Callable:
         if robot is None:
-            return self.stub
+            return self
         bound = robot.__dict__[self.name] = Bound(robot, self.name, stub=self.stub)
         return bound
+
+    def __call__(self, robot: Robot, *args: Any, **kwargs: Any) -> Any:
+        return getattr(robot, self.name)(*args, **kwargs)
 
 
 def quantity(stub: F) -> F:

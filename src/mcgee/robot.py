@@ -272,7 +272,6 @@ class Robot:
         Equals: ∂²T/∂qd∂qd, and column j of it inverse_dynamics(q, 0, e_j) − gravity(q)
         Source: Walker & Orin 1982; Featherstone 2008, table 6.2
         """
-        raise NotImplementedError
 
     @quantity
     def mass_matrix_inverse(self, q: Any, **ufunc: Any) -> np.ndarray:
@@ -283,7 +282,6 @@ class Robot:
         Returns: (..., n, n), symmetric
         Source: LᵀDL factors from the leaves, Featherstone 2008, section 6.5
         """
-        raise NotImplementedError
 
     @quantity
     def coriolis(self, q: Any, qd: Any, **ufunc: Any) -> np.ndarray:
@@ -294,7 +292,6 @@ class Robot:
         Returns: (..., n) [N·m | N]
         Equals: coriolis_matrix(q, qd) @ qd
         """
-        raise NotImplementedError
 
     @quantity
     def coriolis_matrix(self, q: Any, qd: Any, **ufunc: Any) -> np.ndarray:
@@ -305,7 +302,6 @@ class Robot:
         Returns: (..., n, n), C_ij = Σ_k c_ijk qd_k
         Source: Echeandia & Wensing 2021, algorithm 1. Cost: O(n²)
         """
-        raise NotImplementedError
 
     @quantity
     def coriolis_product(self, q: Any, qd: Any, v: Any, **ufunc: Any) -> np.ndarray:
@@ -317,7 +313,6 @@ class Robot:
         Equals: coriolis_matrix(q, qd) @ v, and C(q, v) qd: the symbols are symmetric
         Cost: O(n)
         """
-        raise NotImplementedError
 
     @quantity
     def christoffel(self, q: Any, **ufunc: Any) -> np.ndarray:
@@ -328,7 +323,6 @@ class Robot:
         Returns: (..., n, n, n), symmetric in j and k
         Source: Echeandia & Wensing 2021, algorithm 2
         """
-        raise NotImplementedError
 
     @quantity
     def gravity(self, q: Any, **ufunc: Any) -> np.ndarray:
@@ -339,7 +333,6 @@ class Robot:
         Returns: (..., n) [N·m | N]
         Equals: ∂P/∂q, and inverse_dynamics(q, 0, 0)
         """
-        raise NotImplementedError
 
     @quantity
     def gravity_gradient(self, q: Any, **ufunc: Any) -> np.ndarray:
@@ -349,7 +342,6 @@ class Robot:
             q: joint positions (..., n)
         Returns: (..., n, n) [N·m/rad, N/m], symmetric
         """
-        raise NotImplementedError
 
     @quantity
     def inverse_dynamics(self, q: Any, qd: Any, qdd: Any, **ufunc: Any) -> np.ndarray:
@@ -361,7 +353,6 @@ class Robot:
         Equals: mass_matrix(q) @ qdd + coriolis(q, qd) + gravity(q)
         Source: Luh, Walker & Paul 1980; Featherstone 2008, table 5.1. Cost: O(n)
         """
-        raise NotImplementedError
 
     @quantity
     def forward_dynamics(self, q: Any, qd: Any, tau: Any, **ufunc: Any) -> np.ndarray:
@@ -373,7 +364,6 @@ class Robot:
         Equals: mass_matrix_inverse(q) @ (tau − coriolis(q, qd) − gravity(q))
         Source: Featherstone 1983 and 2008, table 7.1. Cost: O(n); with mimic joints O(n³)
         """
-        raise NotImplementedError
 
     @quantity
     def kinetic_energy(self, q: Any, qd: Any, **ufunc: Any) -> np.ndarray:
@@ -383,7 +373,6 @@ class Robot:
             q, qd: joint positions and velocities (..., n)
         Returns: (...) [J]
         """
-        raise NotImplementedError
 
     @quantity
     def potential_energy(self, q: Any, **ufunc: Any) -> np.ndarray:
@@ -393,7 +382,6 @@ class Robot:
             q: joint positions (..., n)
         Returns: (...) [J], zero at the height of the root frame's origin
         """
-        raise NotImplementedError
 
     def terms(self, q: Any, qd: Any, **ufunc: Any) -> Terms:
         """M(q), C(q, qd) qd and g(q) from one kernel.
@@ -434,7 +422,6 @@ class Robot:
             q: joint positions (..., n)
         Returns: homogeneous matrices (..., links, 4, 4) in the root frame
         """
-        raise NotImplementedError
 
     @quantity
     def link_jacobians(self, q: Any, **ufunc: Any) -> np.ndarray:
@@ -444,7 +431,6 @@ class Robot:
             q: joint positions (..., n)
         Returns: (..., links, 6, n), linear rows first, in the root frame's axes
         """
-        raise NotImplementedError
 
     @quantity
     def link_accelerations(self, q: Any, qd: Any, qdd: Any, **ufunc: Any) -> np.ndarray:
@@ -454,7 +440,6 @@ class Robot:
             q, qd, qdd: joint positions, velocities, accelerations (..., n)
         Returns: (..., links, 6): of the centre of mass [m/s²], then angular [rad/s²], root axes
         """
-        raise NotImplementedError
 
     # -- what it means ----------------------------------------------------------------------------
 

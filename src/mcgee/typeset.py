@@ -30,6 +30,7 @@ def aligned(
     def text(v: float) -> str:
         if abs(v) <= 1e-15 * top:
             return "0"
-        return f"{v:.0e}" if abs(v) < least else f"{v:.{decimals}f}"
+        shown = f"{v:.0e}" if abs(v) < least else f"{v:.{decimals}f}"
+        return shown.replace("-", "−")
 
     return [text(v) for v in given]

@@ -63,7 +63,7 @@ def crossing(v):
 
 def matrix_of(body):
     """Equation 2.63."""
-    I, h = np.array([list(r) for r in rows(body.I.matrix())]), cross(body.h)  # noqa: E741
+    I, h = np.array([list(r) for r in rows(body.I.matrix())]), cross(body.h)
     return np.block([[I, h], [h.T, body.m * np.eye(3)]])
 
 
@@ -140,7 +140,7 @@ def six_by_six(B):
 def test_velocity_matrix_is_the_source_s(draw):
     """B = ½[(v×*) I + (I v)×̄* − I (v×)], Echeandia & Wensing 2021, equation 8."""
     body, v, m = draw.inertia(), draw.motion(), draw.motion()
-    B, I = VelocityMatrix.of(body, v), matrix_of(body)  # noqa: E741
+    B, I = VelocityMatrix.of(body, v), matrix_of(body)
     n, f = np.split(I @ flat(v), 2)
     bar = np.block([[-cross(n), -cross(f)], [-cross(f), np.zeros((3, 3))]])
     want = 0.5 * (-crossing(v).T @ I + bar - I @ crossing(v))

@@ -238,6 +238,8 @@ def test_gravity_of_the_planar_arm(two):
         g.parts, [[M1 * G0 * LC1 * C1, 0], [M2 * G0 * (L1 * C1 + LC2 * C12), M2 * G0 * LC2 * C12]]
     )
     close(g.parts.sum(0), g.g)
+    close(g.weight[:, None] * g.level * g.lever, g.parts)
+    close(g.level, np.ones((2, 2)))
     close(g.height, [LC1 * np.sin(Q[0]), L1 * np.sin(Q[0]) + LC2 * np.sin(Q.sum())])
     close(g.weight @ g.height, g.potential_energy)
     s1, s12 = np.sin(Q[0]), np.sin(Q.sum())

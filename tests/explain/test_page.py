@@ -139,6 +139,12 @@ def test_missing_plotly_writes_nothing(tmp_path, monkeypatch):
     assert not list(tmp_path.iterdir())
 
 
+def test_missing_scipy_is_one_sentence(monkeypatch):
+    monkeypatch.setitem(sys.modules, "scipy.optimize", None)
+    with pytest.raises(ModuleNotFoundError, match=r"needs SciPy: install mcgee\[plot\]"):
+        page(explained("pendulum"))
+
+
 # -- in a browser ---------------------------------------------------------------------------------
 
 

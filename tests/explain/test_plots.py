@@ -7,7 +7,6 @@ import sys
 import numpy as np
 import pytest
 
-import mcgee
 from mcgee.explain import armplot, forces, maps, plots
 from mcgee.explain.drawing import Drawing, mobility_axes, view_of
 from mcgee.explain.live import Live, packed
@@ -142,8 +141,8 @@ def test_no_weight_is_said():
     assert "g = 0" in forces.gravity(level).layout.annotations[0].text
 
 
-@pytest.mark.parametrize("name", sorted(mcgee.arms.BUILTIN))
-def test_every_picture_of_every_bundled_arm(name):
+@pytest.mark.parametrize("name", ["pendulum", "cart_pole", "scara", "stanford", "panda"])
+def test_every_picture_of_every_kind_of_arm(name):
     robot = built_in(name)
     e = robot.explain(np.full(robot.n, 0.3), np.full(robot.n, 0.2), np.full(robot.n, 0.1))
     for picture in PICTURES:

@@ -23,6 +23,18 @@ KEY, CODE = "a" * 64, b"\x7fELF and more"
 X = np.linspace(-3, 3, 22).reshape(11, 2)
 
 
+class Forgetful(dict):
+    """What this process has linked, as if it had not: every look goes to the disk."""
+
+    def __contains__(self, key: object) -> bool:
+        return False
+
+
+@pytest.fixture(autouse=True)
+def _each_look_is_the_first(monkeypatch) -> None:
+    monkeypatch.setattr(jit_compile, "_linked_here", Forgetful())
+
+
 @pytest.fixture
 def folder(tmp_path, monkeypatch) -> Path:
     """An empty cache, not yet made."""

@@ -16,7 +16,7 @@ def aba(
 
     Source: Featherstone 1983; Featherstone 2008, table 7.1. Armature adds to D.
     """
-    X, S, I = transforms(mechanism, q), axes(mechanism), inertias(mechanism)  # noqa: E741
+    X, S, I = transforms(mechanism, q), axes(mechanism), inertias(mechanism)
     v = velocities(mechanism, X, qd)
     c = [v_i.cross(S_i * qd_i) for v_i, S_i, qd_i in zip(v, S, qd, strict=True)]
     pA = [v_i.cross_force(I_i @ v_i) for v_i, I_i in zip(v, I, strict=True)]

@@ -36,7 +36,7 @@ class VelocityMatrix:
     """B = ½[(v×*) I + (I v)×̄* − I (v×)] for a body, or summed over a subtree."""
 
     K: Matrix
-    l: Vector  # noqa: E741
+    l: Vector
 
     @classmethod
     def of(cls, body: Inertia, v: Motion) -> VelocityMatrix:
@@ -56,10 +56,10 @@ class VelocityMatrix:
 
     def seen_through(self, X: JointTransform) -> VelocityMatrix:
         """Xᵀ B X: the same points about the parent's origin."""
-        K, l = self.K, self.l  # noqa: E741
+        K, l = self.K, self.l
         if X.prismatic:
             K = K + Matrix.outer(l, Vector(0, 0, X.d))
-        K, l = X.up_matrix(K), X.up(l)  # noqa: E741
+        K, l = X.up_matrix(K), X.up(l)
         return VelocityMatrix(K + Matrix.outer(l, X.r), l)
 
 
@@ -67,7 +67,7 @@ def coriolis_matrix(
     mechanism: Mechanism, q: Sequence[Scalar], qd: Sequence[Scalar]
 ) -> list[list[Scalar]]:
     """C(q, qd), C_ij = Σ_k c_ijk qd_k."""
-    X, S, I = transforms(mechanism, q), axes(mechanism), inertias(mechanism)  # noqa: E741
+    X, S, I = transforms(mechanism, q), axes(mechanism), inertias(mechanism)
     v = velocities(mechanism, X, qd)
     Sd = [v_i.cross(S_i) for v_i, S_i in zip(v, S, strict=True)]
     B = [VelocityMatrix.of(I_i, v_i) for I_i, v_i in zip(I, v, strict=True)]
@@ -92,7 +92,7 @@ def coriolis_product(
     mechanism: Mechanism, q: Sequence[Scalar], qd: Sequence[Scalar], v: Sequence[Scalar]
 ) -> list[Scalar]:
     """C(q, qd) v in O(n), the Newton-Euler recursion with two velocities."""
-    X, S, I = transforms(mechanism, q), axes(mechanism), inertias(mechanism)  # noqa: E741
+    X, S, I = transforms(mechanism, q), axes(mechanism), inertias(mechanism)
     own, other = velocities(mechanism, X, qd), velocities(mechanism, X, v)
     a: list[Motion] = []
     f: list[Force] = []

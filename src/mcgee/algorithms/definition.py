@@ -19,7 +19,7 @@ def definition(mechanism: Mechanism, q: Sequence[Scalar]) -> list[list[Scalar]]:
         pose = poses[link.body]
         com = Vector(*pose.apply(link.inertia.com))
         R = Matrix(*(Vector(*row) for row in pose.rotation))
-        I = R * Matrix(*(Vector(*row) for row in link.inertia.matrix)) * R.T  # noqa: E741
+        I = R * Matrix(*(Vector(*row) for row in link.inertia.matrix)) * R.T
         J = point_jacobian(mechanism, poses, link.body, com)
         for i in range(n):
             for j in range(n):

@@ -11,7 +11,7 @@ from mcgee.scalar import Scalar
 
 def kinetic_energy(mechanism: Mechanism, q: Sequence[Scalar], qd: Sequence[Scalar]) -> Scalar:
     """T = ½ Σ vᵢᵀ Iᵢ vᵢ + ½ Σ armatureᵢ qdᵢ²."""
-    v, I = velocities(mechanism, transforms(mechanism, q), qd), inertias(mechanism)  # noqa: E741
+    v, I = velocities(mechanism, transforms(mechanism, q), qd), inertias(mechanism)
     twice: Scalar = 0
     for i, body in enumerate(mechanism.bodies):
         twice = twice + v[i].dot(I[i] @ v[i]) + body.armature * (qd[i] * qd[i])

@@ -17,7 +17,7 @@ def regrouped(mechanism: Mechanism) -> Mechanism:
 
     Source: Gautier & Khalil 1990.
     """
-    I = inertias(mechanism)  # noqa: E741
+    I = inertias(mechanism)
     for i, body in reversed(list(enumerate(mechanism.bodies))):
         full = I[i]
         if body.prismatic:

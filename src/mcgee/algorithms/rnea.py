@@ -16,7 +16,7 @@ def rnea(
 
     Source: Luh, Walker & Paul 1980; Featherstone 2008, table 5.1.
     """
-    X, I = transforms(mechanism, q), inertias(mechanism)  # noqa: E741
+    X, I = transforms(mechanism, q), inertias(mechanism)
     v = velocities(mechanism, X, qd)
     a = accelerations(mechanism, X, v, qd, qdd, Motion(ZERO, -Vector(*mechanism.gravity)))
     f = [I_i @ a_i + v_i.cross_force(I_i @ v_i) for I_i, v_i, a_i in zip(I, v, a, strict=True)]

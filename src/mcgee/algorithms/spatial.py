@@ -179,7 +179,7 @@ class Inertia:
 
     m: Scalar
     h: Vector
-    I: Symmetric  # noqa: E741  the book's letter
+    I: Symmetric  #  the book's letter
 
     def __add__(self, other: Inertia) -> Inertia:
         return Inertia(self.m + other.m, self.h + other.h, self.I + other.I)

@@ -6,7 +6,6 @@ q = 0 the arm lies along x, to the right. angle_from='down': at q = 0 it hangs a
 grow counterclockwise. A planar inertia I, about the z axis through the centre of mass, becomes the
 tensor diag(0, I, I) of a thin rod along x, which a body can have. The end is the frame 'tip'.
 """
-# ruff: noqa: E741  (the books' letters l and I)
 
 from __future__ import annotations
 

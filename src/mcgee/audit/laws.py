@@ -151,7 +151,7 @@ def inertia_by_definition(robot: Robot, q: Array, qd: Array, qdd: Array) -> Arra
         Jv, Jw = J[..., :3, :], J[..., 3:, :]
         arm = R @ np.array(link.inertia.com, float)
         Jc = Jv + np.cross(Jw, arm[..., None], axisa=-2, axisb=-2, axisc=-2)
-        I = R @ np.array(link.inertia.matrix, float) @ R.swapaxes(-1, -2)  # noqa: E741
+        I = R @ np.array(link.inertia.matrix, float) @ R.swapaxes(-1, -2)
         total += link.inertia.mass * Jc.swapaxes(-1, -2) @ Jc + Jw.swapaxes(-1, -2) @ I @ Jw
     return _apart(M, total + _armature(robot), axes=2)
 

@@ -113,7 +113,9 @@ def explain(
     html: Annotated[
         Path | None, typer.Option("--html", metavar="FILE", help="Write an interactive page too.")
     ] = None,
-    degrees: DegreesOption = False,
+    degrees: Annotated[
+        bool, typer.Option("--degrees", help="Read angles in degrees; the report stays in SI.")
+    ] = False,
     json: JsonOption = False,
 ) -> None:
     """Say what M, C and g mean for a robot in one state: in figures and in words."""

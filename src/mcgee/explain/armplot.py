@@ -119,7 +119,6 @@ def _flat(e: Explanation, drawing: Drawing, view: View, room: Array) -> Any:
         460,
         annotations=_gravity_2d(e, view),
         showlegend=False,
-        dragmode="pan",
         **_window(room @ view.axes.T, view),
     )
 
@@ -134,7 +133,6 @@ def _line_2d(
 
 
 def _dots_2d(e: Explanation, drawing: Drawing, points: Array) -> list[Any]:
-    go, made = plotly(), []
     bodies = e.robot.mechanism.bodies
     names = [label(name) for name in short_names([body.name for body in bodies])]
     symbols = ["square" if body.prismatic else "circle" for body in bodies]
@@ -161,23 +159,30 @@ def _dots_2d(e: Explanation, drawing: Drawing, points: Array) -> list[Any]:
             ["   " + label(e.task.frame)],
         ),
     )
-    for name, line, marker, words, text in looks:
-        x, y = _picked(points, line)
-        made.append(
-            go.Scatter(
-                x=x,
-                y=y,
-                mode="markers+text" if text else "markers",
-                text=text,
-                textposition="middle right" if name == "frame" else "bottom right",
-                marker=marker,
-                name=name,
-                hovertext=words,
-                hoverinfo="text",
-                meta={"points": line},
-            )
-        )
-    return made
+    return [_dot_2d(points, *look) for look in looks]
+
+
+def _dot_2d(
+    points: Array,
+    name: str,
+    line: Sequence[int],
+    marker: dict[str, Any],
+    words: list[str],
+    text: list[str] | None,
+) -> Any:
+    x, y = _picked(points, line)
+    return plotly().Scatter(
+        x=x,
+        y=y,
+        mode="markers+text" if text else "markers",
+        text=text,
+        textposition="middle right" if name == "frame" else "bottom right",
+        marker=marker,
+        name=name,
+        hovertext=words,
+        hoverinfo="text",
+        meta={"points": line},
+    )
 
 
 def _gravity_2d(e: Explanation, view: View) -> list[dict[str, Any]]:
@@ -220,32 +225,22 @@ def _spatial(e: Explanation, drawing: Drawing, room: Array) -> Any:
         ("sliding joints", sliding, {"color": RED, "width": 13}, True),
     )
     traces = [_line_3d(points, *row) for row in rows if row[1]]
-    names = _joint_words(e)
     dots = (
-        ("joints", drawing.joints, {"size": 5, "color": JOINT}, names),
+        ("joints", drawing.joints, {"size": 5, "color": JOINT}, _joint_words(e)),
         (
             "centres of mass",
             drawing.centres,
             {"size": _sizes(e, 16), "color": ORANGE, "opacity": 0.9},
             _mass_words(e),
         ),
-        ("frame", [drawing.tip], {"size": 6, "color": PINK, "symbol": "cross"}, [e.task.frame]),
+        (
+            "frame",
+            [drawing.tip],
+            {"size": 6, "color": PINK, "symbol": "cross"},
+            [safe(e.task.frame)],
+        ),
     )
-    for name, line, marker, words in dots:
-        x, y, z = _picked(points, line)
-        traces.append(
-            plotly().Scatter3d(
-                x=x,
-                y=y,
-                z=z,
-                mode="markers",
-                marker=marker,
-                name=name,
-                hovertext=words if name != "frame" else [safe(e.task.frame)],
-                hoverinfo="text",
-                meta={"points": line},
-            )
-        )
+    traces += [_dot_3d(points, *dot) for dot in dots]
     traces += [_ellipsoid(e, drawing, points), *_gravity_3d(e, room)]
     return figure(traces, 520, showlegend=False, scene=_scene(e, room), dragmode="orbit")
 
@@ -255,6 +250,14 @@ def _line_3d(points: Array, name: str, line: Line, look: dict[str, Any], moves: 
     style: dict[str, Any] = {"mode": "lines", "line": look, "name": name, "hoverinfo": "skip"}
     style["opacity"] = 1 if moves else 0.35
     return plotly().Scatter3d(x=x, y=y, z=z, meta={"points": line} if moves else {}, **style)
+
+
+def _dot_3d(
+    points: Array, name: str, line: Sequence[int], marker: dict[str, Any], words: list[str]
+) -> Any:
+    x, y, z = _picked(points, line)
+    look = {"mode": "markers", "marker": marker, "hovertext": words, "hoverinfo": "text"}
+    return plotly().Scatter3d(x=x, y=y, z=z, name=name, meta={"points": line}, **look)
 
 
 def _ellipsoid(e: Explanation, drawing: Drawing, points: Array) -> Any:

@@ -10,6 +10,9 @@ from mcgee import quantities
 from mcgee.explain.inertia import Array
 from mcgee.robot import Robot
 
+MANY = 8
+"""Joints whose axes a report's opening names; JSON has them all."""
+
 
 @dataclass(frozen=True, eq=False)
 class JointConvention:
@@ -36,7 +39,9 @@ class Conventions:
 
     def lines(self) -> tuple[str, ...]:
         """What every report opens with."""
-        turning = ", ".join(f"{j.name} {_direction(j.axis)}" for j in self.joints)
+        turning = ", ".join(f"{j.name} {_direction(j.axis)}" for j in self.joints[:MANY])
+        if len(self.joints) > MANY:
+            turning += f" and {len(self.joints) - MANY} more"
         strength = float(np.linalg.norm(self.gravity_vector))
         gravity = "Gravity: none."
         if strength:

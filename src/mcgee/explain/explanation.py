@@ -23,7 +23,7 @@ from mcgee.explain.inertia import (
     task_figures,
 )
 from mcgee.explain.velocity import EnergyFlow, VelocityFigures, energy_flow, velocity_figures
-from mcgee.explain.workspace import Sweep, sweep
+from mcgee.explain.workspace import Extremes, Sweep, felt_extremes, sweep
 
 if TYPE_CHECKING:
     from mcgee.robot import Robot
@@ -56,6 +56,14 @@ class Explanation:
         """
         return worst_gravity(self.robot, self.q)
 
+    @property
+    def _worst(self) -> tuple[WorstGravity, ...] | None:
+        """`worst`, or None without SciPy."""
+        try:
+            return self.worst
+        except ModuleNotFoundError:
+            return None
+
     @cached_property
     def sweeps(self) -> tuple[Sweep, ...]:
         """M and g while each joint alone moves over its range."""
@@ -72,12 +80,22 @@ class Explanation:
         return max(self.sweeps, key=ratio)
 
     @cached_property
+    def felt(self) -> Extremes:
+        """The least and most that the first joint feels along that sweep."""
+        return felt_extremes(self.robot, self.skater)
+
+    @property
+    def is_skater(self) -> bool:
+        """Whether any joint changes what the first one feels."""
+        return self.felt.most - self.felt.least > sentences.NEGLIGIBLE * self.felt.most
+
+    @cached_property
     def sentences(self) -> tuple[str, ...]:
         """The state in words."""
         c = self.conventions
         return (
             *sentences.inertia_sentences(c, self.inertia),
-            *([sentences.sweep_sentence(c, self.skater)] if self.robot.n > 1 else []),
+            *([sentences.skater_sentence(c, self.felt)] if self.is_skater else []),
             *sentences.task_sentences(self.task),
             *sentences.velocity_sentences(c, self.velocity),
             *sentences.gravity_sentences(c, self.gravity),
@@ -91,7 +109,8 @@ class Explanation:
     __repr__ = __str__
 
     def to_dict(self) -> dict[str, Any]:
-        """Every figure as plain numbers, lists and texts; infinite ones as None."""
+        """Every figure but the sweeps as plain numbers, lists and texts; infinite ones as None,
+        and so is `worst` without SciPy."""
         parts = ("conventions", "inertia", "task", "velocity", "energy", "gravity")
         return {
             "robot": self.robot.name,
@@ -99,6 +118,8 @@ class Explanation:
             "qd": self.qd.tolist(),
             "qdd": self.qdd.tolist(),
             **{part: _plain(getattr(self, part)) for part in parts},
+            "felt_by_first_joint": _plain(self.felt),
+            "worst": None if self._worst is None else _plain(self._worst),
             "sentences": list(self.sentences),
         }
 
@@ -118,6 +139,14 @@ def explain(robot: Robot, q: Any, qd: Any, qdd: Any, frame: str) -> Explanation:
     at, speed, acceleration = (
         _state(robot, name, values) for name, values in (("q", q), ("qd", qd), ("qdd", qdd))
     )
+    with np.errstate(over="ignore", invalid="ignore"):
+        e = _figures(robot, at, speed, acceleration, frame)
+    if not np.isfinite([*e.velocity.Cqd, e.velocity.kinetic_energy, *e.energy.through]).all():
+        raise ValueError("the figures of this state are beyond float64: take smaller numbers.")
+    return e
+
+
+def _figures(robot: Robot, at: Array, speed: Array, acceleration: Array, frame: str) -> Explanation:
     return Explanation(
         robot=robot,
         q=at,

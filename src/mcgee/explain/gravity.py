@@ -25,10 +25,13 @@ class GravityFigures:
     parts: Array
     """[k, i]: what link k adds to g_i; a column sums to g_i (links, n)."""
     lever: Array
-    """[k, i]: parts over weight: the horizontal lever arm about joint i [m], signed as the effort;
+    """[k, i]: the horizontal lever arm of link k's weight about joint i [m], signed as the effort;
     for a prismatic joint the share of the weight along it (links, n)."""
+    level: Array
+    """[k, i]: the horizontal part of a revolute joint's axis as link k turns about it, 1 where the
+    axis is level; parts = weight * level * lever (links, n)."""
     effort: Array
-    """The limits of effort, infinite where none is set (n,)."""
+    """The limits of effort, infinite where none is set or it is zero (n,)."""
     share: Array
     """|g_i| over the limit; 0 where none is set (n,)."""
 
@@ -42,12 +45,15 @@ def gravity_figures(robot: Robot, q: Array) -> GravityFigures:
     g, field = robot.gravity(q), np.array(robot.gravity_vector, float)
     strength = float(np.linalg.norm(field))
     m, _ = link_masses(robot)
-    Jv = robot.link_jacobians(q)[:, :3, :]
-    directions = -(field / strength) @ Jv if strength else np.zeros(Jv[:, 0].shape)
-    weight, effort = m * strength, robot.limits.effort
     up = -field / strength if strength else np.zeros(3)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        share = np.where(np.isfinite(effort), abs(g) / effort, 0.0)
+    J = robot.link_jacobians(q)
+    directions = up @ J[:, :3]
+    axes = J[:, 3:]
+    flat = np.linalg.norm(axes - up[:, None] * (up @ axes)[:, None, :], axis=1)
+    level = np.where(abs(axes).max(1) > 0, flat, 1.0)  # a slide has no axis to tilt
+    lever = np.divide(directions, level, out=np.zeros_like(level), where=level > 1e-12)
+    weight, effort = m * strength, robot.limits.effort
+    effort = np.where(effort > 0, effort, np.inf)
     return GravityFigures(
         g=g,
         potential_energy=float(robot.potential_energy(q)),
@@ -56,9 +62,10 @@ def gravity_figures(robot: Robot, q: Array) -> GravityFigures:
         weight=weight,
         height=robot.link_poses(q)[:, :3, 3] @ up,
         parts=weight[:, None] * directions,
-        lever=directions,
+        lever=lever,
+        level=level,
         effort=effort,
-        share=np.where(np.isnan(share), 0.0, share),
+        share=abs(g) / effort,
     )
 
 
@@ -110,7 +117,14 @@ def worst_gravity(
 
     Raises: ModuleNotFoundError: SciPy is not installed (mcgee[plot])
     """
-    from threadpoolctl import threadpool_limits
+    try:
+        import scipy.optimize  # noqa: F401
+        from threadpoolctl import threadpool_limits
+    except ModuleNotFoundError as missing:
+        raise ModuleNotFoundError(
+            "The search for the worst holding effort needs SciPy: install mcgee[plot].",
+            name=missing.name,
+        ) from missing
 
     lower, upper = ranges(robot, q)
     rng = np.random.default_rng(seed)

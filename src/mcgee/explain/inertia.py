@@ -85,7 +85,7 @@ def link_inertias(robot: Robot, q: Array) -> tuple[Array, Array]:
     """m Jvᵀ Jv and Jωᵀ I Jω of each moving link, (links, n, n) each."""
     J, R = robot.link_jacobians(q), robot.link_poses(q)[..., :3, :3]
     Jv, Jw = J[..., :3, :], J[..., 3:, :]
-    m, I = link_masses(robot)  # noqa: E741
+    m, I = link_masses(robot)
     about_root = R @ I @ R.swapaxes(-1, -2)
     return m[:, None, None] * (_t(Jv) @ Jv), _t(Jw) @ about_root @ Jw
 
@@ -133,6 +133,8 @@ class TaskFigures:
     def effective_mass(self, direction: Array) -> float:
         """What a push along a direction (3,) feels [kg]; infinite where the frame cannot yield."""
         u = np.asarray(direction, float)
+        if u.shape != (3,) or not np.isfinite(u).all() or not u.any():
+            raise ValueError(f"direction is {direction!r}, expected 3 numbers, not all zero.")
         u = u / np.linalg.norm(u)
         yielding = u @ self.mobility[:3, :3] @ u
         return float(1 / yielding) if yielding > 1e-12 * abs(self.mobility).max() else np.inf

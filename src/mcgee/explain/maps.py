@@ -143,13 +143,7 @@ def plane(e: Explanation, s: Sweep, values: Array, unit: str) -> Any:
         meta={"map": "values"},
         hovertemplate="(%{x:.3g}, %{y:.3g})<br><b>%{z:.4g}</b><extra></extra>",
     )
-    low, high = values.min(), values.max()
-    off = sum(
-        ((grid - e.q[k]) / np.ptp(grid)) ** 2
-        for grid, k in zip(np.meshgrid(x, y, indexing="ij"), moved, strict=True)
-    )  # where a value is taken many times, the mark goes to the place nearest to the pose
-    ties = [np.where(abs(values - v) <= 1e-9 * (high - low), off, np.inf) for v in (low, high)]
-    at = np.array([np.unravel_index(tie.argmin(), values.shape) for tie in ties])
+    at = _least_and_most(values, s, e.q[moved])
     looks = (
         ("least ▾ and most ▴", x[at[:, 0]], y[at[:, 1]], ["triangle-down", "triangle-up"], RED),
         ("explained pose", e.q[moved[:1]], e.q[moved[1:]], "circle", "#ffffff"),
@@ -175,6 +169,15 @@ def plane(e: Explanation, s: Sweep, values: Array, unit: str) -> Any:
         )
     }
     return figure([heat, *dots], 430, **axes)
+
+
+def _least_and_most(values: Array, s: Sweep, pose: Array) -> Array:
+    """Their indices (2, 2); of many equal places the one nearest to the pose (2,)."""
+    low, high = values.min(), values.max()
+    grids = np.meshgrid(*s.at, indexing="ij")
+    off = sum(((g - x) / np.ptp(g)) ** 2 for g, x in zip(grids, pose, strict=True))
+    ties = [np.where(abs(values - v) <= 1e-9 * (high - low), off, np.inf) for v in (low, high)]
+    return np.array([np.unravel_index(tie.argmin(), values.shape) for tie in ties])
 
 
 def _edges(grid: Array) -> list[float]:

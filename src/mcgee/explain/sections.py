@@ -107,8 +107,8 @@ class Page:
         e, movable = self.e, self.live.movable
         arm = armplot.arm(e, self.live.room)
         told = list(sentences.task_sentences(e.task))
-        if e.robot.n > 1 and movable:
-            told.insert(0, sentences.sweep_sentence(e.conventions, self.first_sweep))
+        if e.is_skater:
+            told.insert(0, sentences.skater_sentence(e.conventions, e.felt))
         pictures = [self.plot("arm", arm, "The arm", self.arm_caption())]
         pictures += self.moving() if movable else [tables.task(e)]
         controls = self.controls() if movable else ""
@@ -156,9 +156,9 @@ class Page:
         if len(finite):
             said += (
                 f"Pink {shape}: the mobility of frame '{e.task.frame}', how much a push of 1 N "
-                f"accelerates it each way; at the explained pose {number(1 / finite[0])} m/s² along its longest axis "
-                f"(effective mass {number(finite[0])} kg), {number(1 / finite[-1])} along its "
-                f"shortest ({number(finite[-1])} kg)."
+                f"accelerates it each way; at the explained pose {number(1 / finite[0])} m/s² "
+                f"along its longest axis (effective mass {number(finite[0])} kg), "
+                f"{number(1 / finite[-1])} along its shortest ({number(finite[-1])} kg)."
             )
         return said
 

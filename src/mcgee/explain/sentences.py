@@ -10,7 +10,7 @@ from mcgee.explain.conventions import Conventions
 from mcgee.explain.gravity import GravityFigures, WorstGravity
 from mcgee.explain.inertia import InertiaFigures, TaskFigures
 from mcgee.explain.velocity import VelocityFigures
-from mcgee.explain.workspace import Sweep
+from mcgee.explain.workspace import Extremes
 from mcgee.typeset import number, percent
 
 NEGLIGIBLE = 1e-9
@@ -65,9 +65,9 @@ def _coupling_sentence(names: list[str], units: list[str], f: InertiaFigures) ->
 
 
 def _slope_sentence(names: list[str], units: list[str], f: InertiaFigures) -> Iterator[str]:
-    slopes = abs(np.einsum("iik->ik", f.slope))
+    slopes = abs(np.einsum("iik->ik", f.slope)) * _alike(units)[:, None] * _alike(units)
     if slopes.max() <= NEGLIGIBLE * f.locked.max():
-        yield "At this pose no small motion changes what any joint feels."
+        yield "To first order no motion from this pose changes what any joint feels."
         return
     i, k = np.unravel_index(slopes.argmax(), slopes.shape)
     per = "m" if units[k] == "N" else "rad"
@@ -77,10 +77,16 @@ def _slope_sentence(names: list[str], units: list[str], f: InertiaFigures) -> It
     )
 
 
+def _alike(units: list[str]) -> np.ndarray:
+    """1 for the joints of the commoner kind, 0 for the others: N and N·m have no order."""
+    common = "N" if units.count("N") > len(units) / 2 else "N·m"
+    return np.array([unit == common for unit in units], float)
+
+
 def task_sentences(t: TaskFigures) -> Iterator[str]:
     finite = t.masses[np.isfinite(t.masses)]
     if not len(finite):
-        yield f"No joint moves frame '{t.frame}' at this pose."
+        yield f"No joint shifts the origin of frame '{t.frame}' at this pose."
         return
     yield (
         f"A push on frame '{t.frame}' feels {number(finite[0])} kg in its lightest direction"
@@ -92,40 +98,43 @@ def task_sentences(t: TaskFigures) -> Iterator[str]:
 def velocity_sentences(c: Conventions, v: VelocityFigures) -> Iterator[str]:
     names = [joint.name for joint in c.joints]
     units = [joint.effort_unit for joint in c.joints]
-    if not v.kinetic_energy > 0:
+    if not v.moving:
         yield "At rest: no velocity terms."
         return
-    parts = max(abs(v.centrifugal).max(), abs(v.coriolis).max())
-    if parts <= NEGLIGIBLE * v.kinetic_energy:
+    centrifugal = abs(v.centrifugal) * _alike(units)[:, None]
+    coriolis = abs(v.coriolis) * _alike(units)[:, None, None]
+    if max(centrifugal.max(), coriolis.max()) <= NEGLIGIBLE * v.kinetic_energy:
         yield "The arm moves, and at this pose its velocities ask for no efforts: C qd = 0."
-    elif abs(v.centrifugal).max() >= abs(v.coriolis).max():
-        i, j = np.unravel_index(abs(v.centrifugal).argmax(), v.centrifugal.shape)
+    elif centrifugal.max() >= coriolis.max():
+        i, j = np.unravel_index(centrifugal.argmax(), centrifugal.shape)
         yield (
             f"The largest velocity term is centrifugal: the speed of {names[j]} asks for "
             f"{number(v.centrifugal[i, j])} {units[i]} at {names[i]}."
         )
     else:
-        i, j, k = np.unravel_index(abs(v.coriolis).argmax(), v.coriolis.shape)
+        i, j, k = np.unravel_index(coriolis.argmax(), coriolis.shape)
         yield (
             f"The largest velocity term is Coriolis: {names[j]} and {names[k]} moving together ask "
             f"for {number(v.coriolis[i, j, k])} {units[i]} at {names[i]}."
         )
     yield _flow_sentence(names, v)
-    still = v.translation.sum()
-    share = still / v.kinetic_energy
-    yield (
-        f"Kinetic energy is {number(v.kinetic_energy)} J, {percent(share)} of it in the links' "
-        f"translation."
-    )
+    if abs(v.C_power) > NEGLIGIBLE * v.kinetic_energy:
+        yield f"As M changes with the pose, qdᵀ C qd = ½ qdᵀ Ṁ qd = {number(v.C_power)} W."
+    if v.kinetic_energy > 0:  # a creeping arm's is below the least float
+        share = percent(v.translation.sum() / v.kinetic_energy)
+        yield (
+            f"Kinetic energy is {number(v.kinetic_energy)} J, {share} of it in the links' "
+            f"translation."
+        )
 
 
 def _flow_sentence(names: list[str], v: VelocityFigures) -> str:
     if abs(v.flow).max() <= NEGLIGIBLE * v.kinetic_energy:
-        return "These forces move no energy between the joints now."
+        return "The skew part, (½Ṁ − C) qd, moves no energy between the joints now."
     i, j = np.unravel_index(v.flow.argmax(), v.flow.shape)
     return (
-        f"These forces carry {number(v.flow[i, j])} W from {names[j]} to {names[i]}, and make or "
-        f"destroy none: over all joints the sum is zero."
+        f"The skew part, (½Ṁ − C) qd, carries {number(v.flow[i, j])} W of kinetic energy from "
+        f"{names[j]} to {names[i]}; over all joints its powers sum to zero."
     )
 
 
@@ -140,12 +149,18 @@ def gravity_sentences(c: Conventions, g: GravityFigures) -> Iterator[str]:
         if abs(g.g[i]) <= NEGLIGIBLE * heavy:
             continue
         k = int(abs(g.parts[:, i]).argmax())
-        limited = np.isfinite(g.effort[i]) and g.effort[i] > 0
-        of = f", {percent(g.share[i])} of its limit" if limited else ""
-        arm = f"{number(g.lever[k, i])} m" if units[i] == "N·m" else percent(g.lever[k, i])
+        of = f", {percent(g.share[i])} of its limit" if np.isfinite(g.effort[i]) else ""
+        if units[i] == "N":
+            how = (
+                f"{percent(abs(g.lever[k, i]))} of its {number(g.weight[k])} N lie along the joint"
+            )
+        else:
+            how = f"{number(g.weight[k])} N at a lever arm of {number(abs(g.lever[k, i]))} m"
+            if g.level[k, i] < 0.995:
+                how += f", about an axis that is {percent(g.level[k, i])} level"
         yield (
-            f"Holding {name} still takes {number(g.g[i])} {units[i]}{of}; the largest part is "
-            f"{g.links[k]}: {number(g.weight[k])} N at {arm}, {number(g.parts[k, i])} {units[i]}."
+            f"Holding {name} still takes {number(g.g[i])} {units[i]}{of}; the largest part, "
+            f"{number(g.parts[k, i])} {units[i]}, is {g.links[k]}: {how}."
         )
 
 
@@ -162,17 +177,12 @@ def worst_sentences(c: Conventions, worst: tuple[WorstGravity, ...]) -> Iterator
         )
 
 
-def sweep_sentence(c: Conventions, s: Sweep) -> str:
-    """The skater: what the first joint feels while another joint moves."""
-    (least, at_least), (most, at_most) = s.extremes(s.M[..., 0, 0])
-    first = c.joints[0]
+def skater_sentence(c: Conventions, s: Extremes) -> str:
+    """What the first joint feels while another joint moves."""
+    first, moved = c.joints[0], next(j for j in c.joints if j.name == s.joint)
     unit = inertia_unit(first.effort_unit, first.effort_unit)
-    if most - least <= NEGLIGIBLE * most:
-        return f"Moving {s.joints[0]} changes nothing for {first.name}: {number(most)} {unit}."
-    k = [joint.name for joint in c.joints].index(s.joints[0])
-    pose = f"{s.joints[0]} = {{}} {c.joints[k].unit}"
     return (
-        f"Like a skater's arms, {s.joints[0]} sets what {first.name} feels: from "
-        f"{number(least)} {unit} at {pose.format(number(at_least[k]))} to {number(most)} at "
-        f"{pose.format(number(at_most[k]))}."
+        f"Like a skater's arms, {s.joint} sets what {first.name} feels: from {number(s.least)} "
+        f"{unit} at {s.joint} = {number(s.at_least)} {moved.unit} to {number(s.most)} at "
+        f"{s.joint} = {number(s.at_most)} {moved.unit}."
     )

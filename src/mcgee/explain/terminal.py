@@ -12,7 +12,8 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
-from mcgee.explain.sentences import inertia_unit
+from mcgee.explain.look import short_names
+from mcgee.explain.sentences import inertia_unit, worst_sentences
 from mcgee.typeset import aligned, number, percent
 
 if TYPE_CHECKING:
@@ -45,10 +46,16 @@ def report(e: Explanation) -> Group:
             _sentence("\nEfforts [N·m | N] at each joint (row) if one alone accelerates by 1:")
         )
         parts.append(_columns_table(e))
-    if e.velocity.kinetic_energy > 0:
-        parts += [_heading("Velocity: C(q, qd) qd"), _velocity_table(e)]
+    if e.velocity.moving:
+        parts += [_heading("Velocity: C(q, qd) qd"), _velocity_table(e), _balance(e)]
     parts += [_heading("Gravity: g(q)"), _gravity_table(e), _heading("In words")]
-    return Group(*parts, *(_sentence(s) for s in e.sentences))
+    parts += [_sentence(s) for s in e.sentences]
+    parts.append(_heading("Over the joint ranges"))
+    try:
+        words = list(worst_sentences(e.conventions, e.worst))
+    except ModuleNotFoundError as missing:
+        words = [str(missing)]
+    return Group(*parts, *(_sentence(s) for s in words))
 
 
 def _heading(title: str) -> Padding:
@@ -73,7 +80,11 @@ def _inertia_table(e: Explanation) -> Table:
         others = abs(f.coupling[i]).copy()
         others[i] = 0
         k = int(others.argmax())
-        partner = f"{joints[k].name} {f.coupling[i, k]:+.2f}" if others[k] > 5e-3 else "none"
+        partner = (
+            f"{joints[k].name} {f.coupling[i, k]:+.2f}".replace("-", "−")
+            if others[k] > 5e-3
+            else "none"
+        )
         unit = inertia_unit(joint.effort_unit, joint.effort_unit)
         values = number(f.locked[i]), number(f.free[i]), percent(max(f.hidden[i], 0))
         table.add_row(Text(joint.name), *values, unit, Text(partner))
@@ -91,7 +102,7 @@ def _columns_table(e: Explanation) -> Table:
 
 
 def _velocity_table(e: Explanation) -> Table:
-    table = _table("joint", "qd", "centrifugal", "Coriolis", "C qd", "unit", "power in [W]")
+    table = _table("joint", "qd", "centrifugal", "Coriolis", "C qd", "unit", "½Ṁ−C [W]")
     v = e.velocity
     largest = max(abs(v.centrifugal).max(), abs(v.coriolis).max())
     for i, joint in enumerate(e.conventions.joints):
@@ -106,20 +117,30 @@ def _velocity_table(e: Explanation) -> Table:
     return table
 
 
+def _balance(e: Explanation) -> Padding:
+    v = e.velocity
+    return _sentence(
+        f"\nqdᵀ C qd = {number(v.C_power)} W = ½ qdᵀ Ṁ qd = {number(v.half_Mdot_power)} W. "
+        f"Parts less C qd: {number(v.residual)}. "
+        f"Ṁ − 2C plus its transpose: {number(v.skew_residual)}."
+    )
+
+
 def _gravity_table(e: Explanation) -> Table:
     table = _table("joint", "g", "unit", "limit", "margin", "hangs on it most", "arm")
-    g = e.gravity
+    shown = short_names(e.robot.joint_names)
+    g, links = e.gravity, short_names(e.gravity.links)
     for i, joint in enumerate(e.conventions.joints):
         k = int(abs(g.parts[:, i]).argmax())
-        limited = np.isfinite(g.effort[i]) and g.effort[i] > 0
+        limited = np.isfinite(g.effort[i])
         held = abs(g.g[i]) > 1e-9 * max(g.weight.sum(), 1e-300)
         table.add_row(
-            Text(joint.name),
+            Text(shown[i]),
             _entry(g.g[i], abs(g.g).max()),
             joint.effort_unit,
             number(g.effort[i]) if limited else "none",
-            f"{g.margin[i]:.3g} %" if limited else "",
-            Text(f"{g.links[k]} {number(g.weight[k])} N") if held else "nothing",
+            f"{number(g.margin[i])} %" if limited else "",
+            Text(f"{links[k]} {number(g.weight[k])} N") if held else "nothing",
             f"{number(g.lever[k, i])} m" if held and joint.unit == "rad" else "",
         )
     return table

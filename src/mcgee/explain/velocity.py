@@ -24,15 +24,18 @@ class VelocityFigures:
     residual: float
     """How far the sum is from it."""
     power: Array
-    """[i]: energy per second that these forces bring to joint i; their sum is zero (n,)."""
+    """[i]: qd_i [(½Ṁ − C) qd]_i: the energy per second that joint i gets from the others; the sum
+    is zero (n,)."""
     flow: Array
     """[i, j]: of that, what comes from joint j; antisymmetric (n, n)."""
     half_Mdot_power: float
     """½ qdᵀ Ṁ qd"""
     C_power: float
-    """qdᵀ C qd, the same"""
+    """qdᵀ C qd, equal to it: what the actuators would spend on C qd, as M changes under them"""
     skew_residual: float
     """The largest entry of (Ṁ − 2C) + (Ṁ − 2C)ᵀ."""
+    moving: bool
+    """Whether any joint has a velocity."""
     kinetic_energy: float
     links: tuple[str, ...]
     translation: Array
@@ -62,6 +65,7 @@ def velocity_figures(robot: Robot, q: Array, qd: Array) -> VelocityFigures:
         half_Mdot_power=float(0.5 * qd @ Mdot @ qd),
         C_power=float(qd @ C @ qd),
         skew_residual=float(abs(N + N.T).max()),
+        moving=bool(qd.any()),
         kinetic_energy=float(robot.kinetic_energy(q, qd)),
         links=robot.moving_links,
         translation=0.5 * (translation @ qd) @ qd,
@@ -96,7 +100,7 @@ class EnergyFlow:
 
 def energy_flow(robot: Robot, q: Array, qd: Array, qdd: Array) -> EnergyFlow:
     bodies = robot.mechanism.bodies
-    m, I = link_masses(robot)  # noqa: E741
+    m, I = link_masses(robot)
     J, a = robot.link_jacobians(q), robot.link_accelerations(q, qd, qdd)
     R = robot.link_poses(q)[:, :3, :3]
     v = J @ qd

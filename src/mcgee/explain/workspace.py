@@ -64,3 +64,31 @@ def sweep(robot: Robot, q: Array, joints: Sequence[str], points: int = 73) -> Sw
     return Sweep(
         tuple(joints), at, poses, M, robot.gravity(poses), moments[..., -1] / moments[..., 0]
     )
+
+
+@dataclass(frozen=True)
+class Extremes:
+    """The least and the most that the first joint feels while one joint moves over its range."""
+
+    joint: str
+    least: float
+    at_least: float
+    most: float
+    at_most: float
+
+
+def felt_extremes(robot: Robot, s: Sweep) -> Extremes:
+    """The extremes of M_11 along a sweep of one joint, refined between its grid points."""
+    k = robot.joint_names.index(s.joints[0])
+    found = []
+    for sign in (1.0, -1.0):
+        at = s.at[0]
+        for _ in range(5):  # each round looks twenty times closer
+            poses = np.repeat(s.q[:1], len(at), axis=0)
+            poses[:, k] = at
+            felt = sign * robot.mass_matrix(poses)[:, 0, 0]
+            best = int(felt.argmin())
+            place, value = float(at[best]), sign * float(felt[best])
+            at = np.linspace(at[max(best - 1, 0)], at[min(best + 1, len(at) - 1)], 41)
+        found += [value, place]
+    return Extremes(s.joints[0], *found)

@@ -59,6 +59,7 @@ def test_felt_inertia_of_the_planar_arm(two):
     determinant = M11 * M22 - M12**2
     close(f.locked, [M11, M22])
     close(f.free, [determinant / M22, determinant / M11])
+    close(f.ratio, 1 - f.hidden)
     close(f.hidden, [M12**2 / (M11 * M22)] * 2)
     close(f.coupling[0, 1], M12 / np.sqrt(M11 * M22))
     middle, half = (M11 + M22) / 2, np.hypot((M11 - M22) / 2, M12)
@@ -129,6 +130,7 @@ def test_a_hand_on_the_panda(panda, peer):
     M = np.triu(M) + np.triu(M, 1).T
     mobility = J @ np.linalg.solve(M, J.T)
     close(panda.task.mobility, mobility, 1e-9)
+    close(panda.task.operational_inertia, np.linalg.inv(mobility), 1e-8)
     inertia = np.linalg.inv(mobility[:3, :3])
     close(panda.task.inertia, inertia, 1e-9)
     close(np.sort(panda.task.masses), np.linalg.eigvalsh(inertia), 1e-9)

@@ -21,8 +21,10 @@ class InertiaFigures:
     """M_ii: what joint i feels when every other joint is locked (n,)."""
     free: Array
     """1/(M⁻¹)_ii: what it feels when the others are free to give way (n,)."""
+    ratio: Array
+    """free/locked (n,)."""
     hidden: Array
-    """1 − free/locked: the share that coupling hides from a joint among free ones (n,)."""
+    """1 − ratio: the share that coupling hides from a joint among free ones (n,)."""
     coupling: Array
     """M_ij/√(M_ii M_jj), between −1 and 1 (n, n)."""
     principal: Array
@@ -42,16 +44,12 @@ class InertiaFigures:
     """What rotors add (n, n)."""
     slope: Array
     """∂M_ij/∂q_k (n, n, n)."""
+    fastest: Array
+    """The joint k that changes M_ij fastest, −1 where none does (n, n)."""
 
     def torque_columns(self, accelerations: Array) -> Array:
         """Column j: the efforts on all joints that accelerating joint j alone takes (n, n)."""
         return self.M * np.asarray(accelerations, float)
-
-    @property
-    def fastest(self) -> Array:
-        """The joint k that changes M_ij fastest, −1 where none does (n, n)."""
-        k = abs(self.slope).argmax(-1)
-        return np.where(abs(self.slope).max(-1) > 1e-12 * abs(self.M).max(), k, -1)
 
 
 def inertia_figures(robot: Robot, q: Array) -> InertiaFigures:
@@ -62,11 +60,14 @@ def inertia_figures(robot: Robot, q: Array) -> InertiaFigures:
     principal, directions = np.linalg.eigh(M)
     translation, rotation = link_inertias(robot, q)
     c = robot.christoffel(q)
+    slope = c + c.swapaxes(-2, -3)
+    changes = abs(slope).max(-1) > 1e-12 * abs(M).max()
     kinds = {joint.kind == "prismatic" for joint in robot.independent_joints}
     return InertiaFigures(
         M=M,
         locked=locked,
         free=free,
+        ratio=free / locked,
         hidden=1 - free / locked,
         coupling=M / np.sqrt(np.outer(locked, locked)),
         principal=principal,
@@ -77,7 +78,8 @@ def inertia_figures(robot: Robot, q: Array) -> InertiaFigures:
         translation=translation,
         rotation=rotation,
         armature=rotors(robot),
-        slope=c + c.swapaxes(-2, -3),
+        slope=slope,
+        fastest=np.where(changes, abs(slope).argmax(-1), -1),
     )
 
 
@@ -117,8 +119,10 @@ class TaskFigures:
     """(6, n), linear rows first, root axes."""
     mobility: Array
     """J M⁻¹ Jᵀ: the acceleration that a unit force causes (6, 6)."""
+    operational_inertia: Array
+    """Λ = (J M⁻¹ Jᵀ)⁻¹, the pseudo-inverse where some motions cannot be made (6, 6)."""
     inertia: Array
-    """Λ, its inverse: of the three translations (3, 3); pseudo-inverse where some cannot move."""
+    """The same of the translations alone: what a push feels when the frame may turn (3, 3)."""
     masses: Array
     """Effective masses along the principal directions, lightest first [kg]; infinite where the
     frame cannot move (3,)."""
@@ -153,6 +157,7 @@ def task_figures(robot: Robot, q: Array, frame: str) -> TaskFigures:
         frame=frame,
         J=J,
         mobility=mobility,
+        operational_inertia=np.linalg.pinv(mobility, rcond=1e-10, hermitian=True),
         inertia=np.linalg.pinv(mobility[:3, :3], rcond=1e-10, hermitian=True),
         masses=masses[::-1],
         directions=directions[:, ::-1],

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from importlib import resources
+from pathlib import Path
 
 from mcgee.arms.planar import acrobot, cart_pole, pendulum, planar_2r, planar_nr
 from mcgee.arms.spatial import puma560, scara, stanford
@@ -43,8 +43,7 @@ def ur5e() -> Robot:
 def _shipped(name: str) -> Robot:
     from mcgee.formats.urdf import read_urdf  # its XML parser only where one is read
 
-    with resources.as_file(resources.files("mcgee") / "robots" / f"{name}.urdf") as path:
-        return read_urdf(path)
+    return read_urdf(Path(__file__).parents[1] / "robots" / f"{name}.urdf")
 
 
 BUILTIN: dict[str, Callable[[], Robot]] = {

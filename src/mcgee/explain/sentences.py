@@ -13,6 +13,9 @@ from mcgee.explain.velocity import VelocityFigures
 from mcgee.explain.workspace import Extremes
 from mcgee.typeset import number, percent
 
+FEW = 8
+"""Joints up to which a sentence says a whole pose."""
+
 NEGLIGIBLE = 1e-9
 """Of the largest figure of its kind: below it a sentence speaks of zero."""
 
@@ -170,10 +173,12 @@ def worst_sentences(c: Conventions, worst: tuple[WorstGravity, ...]) -> Iterator
             yield f"{w.joint} never holds weight anywhere in the ranges."
             continue
         of = f", {percent(w.share)} of its limit" if w.share else ""
+        where = ", ".join(number(round(x, 3) + 0.0) for x in w.q)
+        at = f" at q = ({where})" if len(w.q) <= FEW else ""
         yield (
             f"Over the joint ranges {w.joint} holds at most {number(w.effort)} "
-            f"{joint.effort_unit}{of}, as far as {w.starts} climbs from the best of {w.samples} "
-            f"random poses can tell: {w.agreeing} of them ended there."
+            f"{joint.effort_unit}{at}{of}, as far as {w.starts} climbs from the best of "
+            f"{w.samples} random poses can tell: {w.agreeing} of them ended there."
         )
 
 

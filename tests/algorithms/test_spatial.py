@@ -115,7 +115,7 @@ class TestTransform:
         X, p = draw.transform(prismatic), draw.vector()
         R = transform_matrix(X)[:3, :3].T
         at = np.array([*X.r]) + np.array([list(r) for r in rows(X.R)]) @ [0, 0, X.d]
-        assert apart(np.array([*X.point(p)]), R @ [*p] + at) <= ROUNDING
+        assert apart(np.array([*(X.up(p + Vector(0, 0, X.d)) + X.r)]), R @ [*p] + at) <= ROUNDING
         moment = X.first_moment(2.0, p)
         assert apart(np.array([*moment]), R @ [*p] + 2 * at) <= ROUNDING
         assert apart(np.array([*X.down(X.up(p))]), np.array([*p])) <= ROUNDING

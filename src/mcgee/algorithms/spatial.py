@@ -263,10 +263,6 @@ class JointTransform:
         n, f_ = self.up(f.n + self._slid().cross(f.f)), self.up(f.f)
         return Force(n + self.r.cross(f_), f_)
 
-    def point(self, p: Vector) -> Vector:
-        """A point of the child, in the parent's frame."""
-        return self.up(p + self._slid()) + self.r
-
     def first_moment(self, m: Scalar, h: Vector) -> Vector:
         """The first moment of a mass m with first moment h in the child, in the parent's frame."""
         return self.up(h + self._slid() * m) + self.r * m

@@ -28,9 +28,10 @@ MANY = 8
 
 def text(e: Explanation) -> str:
     """The report without colours."""
-    console = Console(file=io.StringIO(), width=WIDTH, color_system=None, highlight=False)
+    written = io.StringIO()
+    console = Console(file=written, width=WIDTH, color_system=None, highlight=False)
     console.print(report(e))
-    return "\n".join(line.rstrip() for line in console.file.getvalue().splitlines())  # type: ignore[attr-defined]
+    return "\n".join(line.rstrip() for line in written.getvalue().splitlines())
 
 
 def report(e: Explanation) -> Group:

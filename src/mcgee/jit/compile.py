@@ -18,7 +18,7 @@ from mcgee.jit.loop import loop_ir
 from mcgee.jit.sincos import sincos_ir
 from mcgee.jit.target import Target, host
 
-SETTINGS = {"opt": 2, "reloc": "pic", "jit": True}
+SETTINGS = {"opt": 2, "reloc": "pic", "codemodel": "small", "jit": True}
 """Of the code generator; part of the cache's key, as is everything else that shapes an object."""
 
 PYTHON_FUNCTIONS = (
@@ -87,7 +87,7 @@ def _link(code: bytes, key: str) -> int:
 
     target = host()
     # on Arm the older linker may map sections too far apart for their relocations
-    linker = llvm.create_lljit_compiler(_machine(target), use_jit_link=target.arm64)
+    linker = llvm.create_lljit_compiler(_machine(target), use_jit_link=True)
     library = llvm.JITLibraryBuilder().add_object_img(code).export_symbol("loop")
     for name, address in _symbols().items():
         library = library.import_symbol(name, address)

@@ -1,15 +1,18 @@
-"""Writes straight-line LLVM IR on vectors of float64, one value a name."""
+"""Writes straight-line LLVM IR on vectors of floating-point numbers, one value a name."""
 
 from __future__ import annotations
 
+import ctypes
 import struct
 from dataclasses import dataclass, field
 
 from mcgee.jit.target import Target
 
 
-def hexadecimal(value: float) -> str:
-    """A float64 as LLVM reads it, to the last bit."""
+def hexadecimal(value: float, bits: int = 64) -> str:
+    """A float64, or the float32 nearest to it, as LLVM reads both, to the last bit."""
+    if bits == 32:
+        value = ctypes.c_float(value).value
     return f"0x{struct.unpack('<Q', struct.pack('<d', value))[0]:016X}"
 
 
@@ -21,22 +24,25 @@ class Emitter:
 
     @property
     def vector(self) -> str:
-        return f"<{self.target.lanes} x double>"
+        return self.target.vector
 
     @property
     def integers(self) -> str:
-        return f"<{self.target.lanes} x i64>"
+        return f"<{self.target.lanes} x i{self.target.bits}>"
 
     @property
     def suffix(self) -> str:
-        return f"v{self.target.lanes}f64"
+        return f"v{self.target.lanes}f{self.target.bits}"
 
     def constant(self, value: float) -> str:
         """A constant operand, the same in every lane."""
-        return "<" + ", ".join([f"double {hexadecimal(value)}"] * self.target.lanes) + ">"
+        return self._splat(f"{self.target.element} {hexadecimal(value, self.target.bits)}")
 
     def integer(self, value: int) -> str:
-        return "<" + ", ".join([f"i64 {value}"] * self.target.lanes) + ">"
+        return self._splat(f"i{self.target.bits} {value}")
+
+    def _splat(self, element: str) -> str:
+        return "<" + ", ".join([element] * self.target.lanes) + ">"
 
     def let(self, text: str) -> str:
         """Name a value."""
@@ -49,10 +55,12 @@ class Emitter:
         self.lines.append(f"  {text}")
 
     def load(self, array: str, index: int) -> str:
-        return self.let(f"load {self.vector}, ptr {self._at(array, index)}, align 8")
+        place = self._at(array, index)
+        return self.let(f"load {self.vector}, ptr {place}, align {self.target.size}")
 
     def store(self, value: str, array: str, index: int) -> None:
-        self.do(f"store {self.vector} {value}, ptr {self._at(array, index)}, align 8")
+        place = self._at(array, index)
+        self.do(f"store {self.vector} {value}, ptr {place}, align {self.target.size}")
 
     def _at(self, array: str, index: int) -> str:
         return self.let(f"getelementptr {self.vector}, ptr {array}, i64 {index}")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import platform
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 
@@ -13,10 +13,31 @@ class Target:
     cpu: str
     features: str
     lanes: int
-    """float64 values in one vector register."""
+    """Values in one vector register."""
     fma: bool
     """Whether a multiply-add with one rounding is one instruction."""
     arm64: bool = False
+    bits: int = 64
+    """Of one value: a float64 or a float32."""
+
+    @property
+    def single(self) -> Target:
+        """The same processor, computing with float32."""
+        return replace(self, bits=32, lanes=2 * self.lanes)
+
+    @property
+    def size(self) -> int:
+        """Bytes of one value."""
+        return self.bits // 8
+
+    @property
+    def element(self) -> str:
+        """LLVM's name for the type of one value."""
+        return {64: "double", 32: "float"}[self.bits]
+
+    @property
+    def vector(self) -> str:
+        return f"<{self.lanes} x {self.element}>"
 
 
 @cache

@@ -38,9 +38,9 @@ _kept: list = []  # linked code lives as long as the process
 _linked_here: dict[str, int] = {}
 
 
-def compiled(program: Program) -> int:
+def compiled(program: Program, *, single: bool = False) -> int:
     """The address of the program's gufunc loop, from the cache where it holds one."""
-    target = host()
+    target = host().single if single else host()
     kernel = kernel_ir(program, target)
     text = sincos_ir(target) + kernel.text + loop_ir(program, kernel, target)
     key = _key(text, target)

@@ -25,37 +25,37 @@ STACK = 1 << 15
 
 def loop_ir(program: Program, kernel: Kernel, target: Target) -> str:
     """`@loop`, with the signature of NumPy's PyUFuncGenericFunction."""
-    w, nin = target.lanes, len(program.inputs)
+    w, t, nin = target.lanes, target.element, len(program.inputs)
     arrays = (*program.inputs, *program.outputs)
     in_tile = sum(array.size for array in program.inputs)
     total = in_tile + kernel.tile + kernel.work
-    large = total * w * 8 > STACK
+    large = total * w * target.size > STACK
     lines = ["%n = load i64, ptr %dims"]
-    lines += _operands(arrays)
+    lines += _operands(arrays, target.size)
     if large:
-        lines.append(f"%tile = call ptr @PyMem_RawMalloc(i64 {total * w * 8})")
+        lines.append(f"%tile = call ptr @PyMem_RawMalloc(i64 {total * w * target.size})")
         lines += ["%none = icmp eq ptr %tile, null", "br i1 %none, label %starved, label %start"]
         lines += _NO_MEMORY
     else:
-        lines += [f"%tile = alloca [{total * w} x double], align 64", "br label %start"]
-    lines += ["start:", f"%results = getelementptr double, ptr %tile, i64 {in_tile * w}"]
-    lines.append(f"%work = getelementptr double, ptr %tile, i64 {(in_tile + kernel.tile) * w}")
+        lines += [f"%tile = alloca [{total * w} x {t}], align 64", "br label %start"]
+    lines += ["start:", f"%results = getelementptr {t}, ptr %tile, i64 {in_tile * w}"]
+    lines.append(f"%work = getelementptr {t}, ptr %tile, i64 {(in_tile + kernel.tile) * w}")
     for slot, value in kernel.constants:
         for lane in range(w):
             lines.append(
-                f"%c{slot}.{lane} = getelementptr double, ptr %results, i64 {slot * w + lane}"
+                f"%c{slot}.{lane} = getelementptr {t}, ptr %results, i64 {slot * w + lane}"
             )
-            lines.append(f"store double {hexadecimal(value)}, ptr %c{slot}.{lane}")
+            lines.append(f"store {t} {hexadecimal(value, target.bits)}, ptr %c{slot}.{lane}")
     lines += ["%some = icmp sgt i64 %n, 0", "br i1 %some, label %block, label %done", "block:"]
     lines += ["%row = phi i64 [ 0, %start ], [ %next, %tail ]", "%left = sub i64 %n, %row"]
     lines += [f"%rows = call i64 @llvm.umin.i64(i64 %left, i64 {w})"]
-    lines += _body(arrays, nin, w)
+    lines += _body(arrays, nin, target)
     lines += ["done:"]
     lines += ["call void @PyMem_RawFree(ptr %tile)"] if large else []
     lines += ["br label %out", "out:", "ret void"]
     body = "\n".join(line if line.endswith(":") else f"  {line}" for line in lines)
-    text = common_ir(w)
-    text += "".join(copies_ir(w, b) for b in sorted({chunk(array, w) for array in arrays}))
+    text = common_ir(target, in_tile)
+    text += "".join(copies_ir(target, b) for b in sorted({chunk(array, w) for array in arrays}))
     text += _tables(program, kernel)
     return (
         text
@@ -83,7 +83,7 @@ _NO_MEMORY = [
 ]
 
 
-def _operands(arrays: Sequence[Array]) -> list[str]:
+def _operands(arrays: Sequence[Array], size: int) -> list[str]:
     """Base pointer, outer stride and core strides of each operand; missing core strides are 0."""
     lines, core = [], len(arrays)
     for k, array in enumerate(arrays):
@@ -93,7 +93,7 @@ def _operands(arrays: Sequence[Array]) -> list[str]:
             f"%o{k} = getelementptr i64, ptr %steps, i64 {k}",
             f"%outer{k} = load i64, ptr %o{k}",
         ]
-        contiguous, expected = [], 8
+        contiguous, expected = [], size
         for axis in reversed(range(len(array.shape))):
             lines += [
                 f"%s{k}.{axis} = getelementptr i64, ptr %steps, i64 {core + axis}",
@@ -110,46 +110,53 @@ def _operands(arrays: Sequence[Array]) -> list[str]:
     return lines
 
 
-def _core(array: Array, k: int) -> str:
-    """Core sizes and strides as arguments, the last axis last."""
+def _rows(array: Array, k: int) -> str:
+    """Operand k in this tile as arguments; of its core sizes and strides the last axis is last."""
     missing = CORE - len(array.shape)
     sizes = [1] * missing + list(array.shape)
     strides = ["0"] * missing + [f"%stride{k}.{axis}" for axis in range(len(array.shape))]
-    return ", ".join([f"i64 {s}" for s in sizes] + [f"i64 {s}" for s in strides])
+    core = ", ".join([f"i64 {s}" for s in sizes] + [f"i64 {s}" for s in strides])
+    return f"ptr %at{k}, i64 %outer{k}, i64 %rows, {core}"
 
 
-def _body(arrays: Sequence[Array], nin: int, w: int) -> list[str]:
-    lines, start, slots = [], 0, 0
+def _body(arrays: Sequence[Array], nin: int, target: Target) -> list[str]:
+    w = target.lanes
+    lines, start, slots = [f"%full = icmp eq i64 %rows, {w}"], 0, 0
     for k, array in enumerate(arrays[:nin]):
-        lines += [
-            f"%skip{k} = mul i64 %row, %outer{k}",
-            f"%at{k} = getelementptr i8, ptr %base{k}, i64 %skip{k}",
-            f"%tile{k} = getelementptr double, ptr %tile, i64 {start * w}",
-            f"call void @pack{chunk(array, w)}(ptr %at{k}, i64 %outer{k}, i64 %rows, "
-            f"i1 %contiguous{k}, i64 {array.size}, {_core(array, k)}, ptr %tile{k})",
-        ]
+        lines.append(f"%tile{k} = getelementptr {target.element}, ptr %tile, i64 {start * w}")
+        lines += _copy(array, k, "pack", "gather", f"ptr %tile{k}", w)
         start += array.size
     lines += [
-        f"%bad = call i64 @nans(ptr %tile, i64 {start})",
+        "%bad = call i64 @nans(ptr %tile)",
         "call void @kernel(ptr %tile, ptr %results, ptr %work)",
     ]
     for k, array in enumerate(arrays[nin:], nin):
-        lines += [
-            f"%skip{k} = mul i64 %row, %outer{k}",
-            f"%at{k} = getelementptr i8, ptr %base{k}, i64 %skip{k}",
-            f"%slots{k} = getelementptr i32, ptr @slots, i64 {slots}",
-            f"call void @unpack{chunk(array, w)}(ptr %at{k}, i64 %outer{k}, i64 %rows, "
-            f"i1 %contiguous{k}, i64 {array.size}, {_core(array, k)}, ptr %results, ptr %slots{k})",
-        ]
+        lines.append(f"%slots{k} = getelementptr i32, ptr @slots, i64 {slots}")
+        lines += _copy(array, k, "unpack", "scatter", f"ptr %results, ptr %slots{k}", w)
         slots += array.size
     lines += ["%clean = icmp eq i64 %bad, 0", "br i1 %clean, label %tail, label %poison", "poison:"]
     for k, array in enumerate(arrays[nin:], nin):
-        lines.append(
-            f"call void @poison(ptr %at{k}, i64 %outer{k}, i64 %rows, i64 %bad, {_core(array, k)})"
-        )
+        lines.append(f"call void @poison({_rows(array, k)}, i64 %bad)")
     lines += ["br label %tail", "tail:", f"%next = add i64 %row, {w}"]
     lines += ["%again = icmp slt i64 %next, %n", "br i1 %again, label %block, label %done"]
     return lines
+
+
+def _copy(array: Array, k: int, whole: str, piecewise: str, tile: str, w: int) -> list[str]:
+    """Move the rows of operand k between memory and the tile."""
+    return [
+        f"%skip{k} = mul i64 %row, %outer{k}",
+        f"%at{k} = getelementptr i8, ptr %base{k}, i64 %skip{k}",
+        f"%fast{k} = and i1 %full, %contiguous{k}",
+        f"br i1 %fast{k}, label %whole{k}, label %piecewise{k}",
+        f"whole{k}:",
+        f"call void @{whole}{chunk(array, w)}(ptr %at{k}, i64 %outer{k}, i64 {array.size}, {tile})",
+        f"br label %moved{k}",
+        f"piecewise{k}:",
+        f"call void @{piecewise}({_rows(array, k)}, {tile})",
+        f"br label %moved{k}",
+        f"moved{k}:",
+    ]
 
 
 def _tables(program: Program, kernel: Kernel) -> str:

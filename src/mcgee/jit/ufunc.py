@@ -13,16 +13,16 @@ from mcgee.graph.program import Array, Program
 from mcgee.jit.compile import compiled
 
 FROM_SIGNATURE = 31  # PyUFunc_FromFuncAndDataAndSignature in NumPy's __ufunc_api.h
-NPY_DOUBLE = 12
+NPY_FLOAT, NPY_DOUBLE = 11, 12
 _kept: list = []  # NumPy keeps the pointers, not what they point to
 
 
-def gufunc(program: Program, doc: str = "") -> np.ufunc:
-    """The program as a gufunc of float64 arrays with fixed core sizes."""
+def gufunc(program: Program, doc: str = "", *, single: bool = False) -> np.ufunc:
+    """The program as a gufunc of float64 or float32 arrays with fixed core sizes."""
     nin, nout = len(program.inputs), len(program.outputs)
-    loops = (ctypes.c_void_p * 1)(compiled(program))
+    loops = (ctypes.c_void_p * 1)(compiled(program, single=single))
     data = (ctypes.c_void_p * 1)(None)
-    types = ctypes.create_string_buffer(bytes([NPY_DOUBLE] * (nin + nout)))
+    types = ctypes.create_string_buffer(bytes([NPY_FLOAT if single else NPY_DOUBLE] * (nin + nout)))
     texts = [
         ctypes.create_string_buffer(text.encode())
         for text in (program.name, doc, signature(program))

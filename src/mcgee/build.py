@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from mcgee import quantities
+from mcgee.algorithms.parameters import TEN
 from mcgee.algorithms.regroup import regrouped
 from mcgee.graph.node import Graph, Value
 from mcgee.graph.program import Array, Program
@@ -27,6 +28,8 @@ def _gives(name: str, *shape: int | str) -> tuple[tuple[str, tuple[int | str, ..
     return ((name, shape),)
 
 
+_SQUARE = ("n", "n")
+
 SIGNATURES = {
     "mass_matrix": Signature(("q",), _gives("M", "n", "n")),
     "mass_matrix_inverse": Signature(("q",), _gives("Minv", "n", "n")),
@@ -39,6 +42,13 @@ SIGNATURES = {
     "terms": Signature(("q", "qd"), (("M", ("n", "n")), ("Cqd", ("n",)), ("g", ("n",)))),
     "inverse_dynamics": Signature(("q", "qd", "qdd"), _gives("tau", "n")),
     "forward_dynamics": Signature(("q", "qd", "tau"), _gives("qdd", "n")),
+    "inverse_dynamics_derivatives": Signature(
+        ("q", "qd", "qdd"), (("dtau_dq", _SQUARE), ("dtau_dqd", _SQUARE), ("M", _SQUARE))
+    ),
+    "forward_dynamics_derivatives": Signature(
+        ("q", "qd", "tau"), (("dqdd_dq", _SQUARE), ("dqdd_dqd", _SQUARE), ("Minv", _SQUARE))
+    ),
+    "regressor": Signature(("q", "qd", "qdd"), _gives("Y", "n", "parameters")),
     "kinetic_energy": Signature(("q", "qd"), _gives("T")),
     "potential_energy": Signature(("q",), _gives("P"), energy=True),
     "forward_kinematics": Signature(("q",), _gives("T", 4, 4)),
@@ -57,7 +67,7 @@ def trace(mechanism: Mechanism, quantity: str, *options: Any) -> Program:
     with _collection_paused():
         model = mechanism if signature.energy else regrouped(mechanism)
         result = getattr(quantities, quantity)(model, *nodes, *options)
-    sizes = {"n": n, "links": len(mechanism.masses)}
+    sizes = {"n": n, "links": len(mechanism.masses), "parameters": TEN * len(mechanism.bodies)}
     outputs = tuple(
         Array(name, tuple(sizes[size] if isinstance(size, str) else size for size in shape))
         for name, shape in signature.outputs

@@ -95,7 +95,8 @@ class Oracle:
         poses are of those frames in the frames of the links, by joint; order is of the joints.
         """
         state = self.positions(q), self.A @ qd, self.A @ qdd
-        Y = self.A.T @ pin.computeJointTorqueRegressor(self.model, self.data, *state)
+        Y = pin.computeJointTorqueRegressor(self.model, self.data, *state)
+        Y = self.A.T @ Y.reshape(self.model.nv, -1)  # one joint makes it a vector
         blocks = []
         for name in order:
             k = self.model.getJointId(name) - 1

@@ -73,17 +73,16 @@ def note_forward(note, robot, oracle, state, M, inverse, weight):
     """The derivatives of forward dynamics, against Pinocchio's or, with followers, −M⁻¹ times."""
     q, qd, tau = state
     ours = robot.forward_dynamics_derivatives(q, qd, tau)
+    caused = oracle.forward_dynamics(q, qd, tau)
     if oracle.A.shape[0] == oracle.A.shape[1]:
         theirs = oracle.forward_dynamics_derivatives(q, qd, tau)
     else:
-        caused = oracle.forward_dynamics(q, qd, tau)
         by_q, by_qd, _ = oracle.inverse_dynamics_derivatives(q, qd, caused)
         theirs = -inverse @ by_q, -inverse @ by_qd, inverse
     size, speed = abs(M).max(), abs(qd).max()
     passed, worsened = abs(inverse).sum(1).max(), np.linalg.cond(M)
-    caused = abs(inverse @ tau).max()
-    slopes = size * (caused + speed**2) + weight
-    sizes = worsened * passed * slopes, worsened * passed * size * speed, worsened
+    slopes = size * (abs(caused).max() + speed**2) + weight
+    sizes = worsened * passed * slopes, worsened * passed * size * speed, worsened * passed
     for name, got, want, own in zip(
         ("dqdd_dq", "dqdd_dqd", "Minv"), ours, theirs, sizes, strict=True
     ):

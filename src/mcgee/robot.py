@@ -440,11 +440,10 @@ class Robot:
         About the origin and in the axes of that link's frame, each link together with all that
         is fixed to it [kg, kg·m, kg·m²]. Armature is no part of them.
 
-        Returns: (10 bodies,), read-only
-        Raises: ValueError: the robot still has symbols
+        Returns: (10 bodies,), read-only; of expressions while the robot has symbols
         """
-        refuse_symbols(self, "inertial parameters")
-        parameters = np.array(inertial_parameters(self.mechanism), float)
+        kind = object if self.symbols else float
+        parameters = np.array(inertial_parameters(self.mechanism), kind)
         parameters.flags.writeable = False
         return parameters
 

@@ -343,7 +343,9 @@ def inverse_linear_in_parameters(robot: Robot, q: Array, qd: Array, qdd: Array) 
 
 def _linear_in(p: Array, robot: Robot, effort: Callable, q: Array, qd: Array, qdd: Array) -> Array:
     Y, rotors = robot.regressor(q, qd, qdd), times(_armature(robot), qdd)
-    size = (abs(Y) @ abs(p)).max(-1)
+    # terms of Y may cancel; at one metre they are what the motion is
+    motion = abs(qd).max(-1) ** 2 + abs(qdd).max(-1)
+    size = np.maximum(abs(Y).max((-1, -2)), motion) * abs(p).sum()
     return apart(effort(q, qd, qdd), Y @ p + rotors, size)
 
 

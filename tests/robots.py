@@ -20,6 +20,7 @@ from mcgee.errors import ModelWarning
 from mcgee.graph.program import evaluate
 from mcgee.kernels import Quantity
 from mcgee.model import Frame, Inertia, Joint, Link, Mimic, Pose
+from mcgee.parametric import Parametric
 from mcgee.robot import Robot
 
 AXES = [tuple(sign * e for e in row) for row in np.eye(3).tolist() for sign in (1.0, -1.0)]
@@ -204,19 +205,24 @@ def random_state(robot: Robot, rng: np.random.Generator, rows: int = 4, size: fl
 def interpreted(robot: Robot) -> Robot:
     """The same robot, its quantities evaluated by the reference interpreter, nothing compiled."""
     copy = dataclasses.replace(robot)
-    calls = _Calls(copy)
-    copy.__dict__["_calls"] = calls
-    for name, method in vars(Robot).items():
+    copy.__dict__["with_parameters"] = lambda: parametric
+    parametric = _uncompiled(Parametric(copy))
+    return _uncompiled(copy)
+
+
+def _uncompiled(owner: Any) -> Any:
+    owner.__dict__["_calls"] = calls = _Calls(owner)
+    for name, method in vars(type(owner)).items():
         if isinstance(method, Quantity):
-            copy.__dict__[name] = calls.get((name, ()))
-    return copy
+            owner.__dict__[name] = calls.get((name, ()))
+    return owner
 
 
 class _Calls(dict):
-    """Stands where Robot keeps its bound kernels; traces each on its first call."""
+    """Stands where a robot keeps its bound kernels; traces each on its first call."""
 
-    def __init__(self, robot: Robot):
-        self.robot = robot
+    def __init__(self, owner: Any):
+        self.owner = owner
 
     def get(self, key: tuple[str, tuple[str, ...]], default: Any = None) -> Callable:
         if key not in self:
@@ -226,7 +232,8 @@ class _Calls(dict):
     def _call(self, name: str, options: tuple[str, ...]) -> Callable:
         @cache
         def program():
-            return build.trace(self.robot.mechanism, name, *options)
+            owner = self.owner
+            return build.trace(owner.mechanism, name, *options, parametric=owner.parametric)
 
         def call(*arrays: Any) -> Any:
             results = evaluate(program(), *arrays)

@@ -10,6 +10,7 @@ from mcgee import quantities as on
 from mcgee.algorithms.aba import aba
 from mcgee.algorithms.linear import solve
 from mcgee.kernels import Quantity
+from mcgee.parametric import Parametric
 from mcgee.robot import Robot
 from robots import apart, interpreted, random_state, random_tree
 
@@ -34,6 +35,14 @@ def test_every_signature_is_that_of_its_function():
         assert tuple(method[1 : 1 + len(signature.inputs)]) == signature.inputs
 
 
+def test_every_parametric_signature_is_that_of_its_method():
+    for name, signature in build.PARAMETRIC.items():
+        method = list(inspect.signature(getattr(Parametric, name)).parameters)
+        assert tuple(method[1:-1]) == signature.inputs
+        assert signature.inputs[-1] == "parameters"
+        assert "parameters: (..., 10 bodies)" in getattr(Parametric, name).__doc__
+
+
 def test_every_quantity_documents_its_shape():
     for name in build.SIGNATURES:
         assert "(..." in getattr(Robot, name).__doc__, name
@@ -43,7 +52,16 @@ def test_every_quantity_documents_its_shape():
 def test_only_named_quantities_are_compiled():
     bound = {name for name, method in vars(Robot).items() if isinstance(method, Quantity)}
     assert bound <= set(build.SIGNATURES)
-    assert set(build.SIGNATURES) - bound == {"terms", "forward_kinematics", "jacobian"}
+    derivatives = {"inverse_dynamics_derivatives", "forward_dynamics_derivatives"}
+    tuples = {"terms", *derivatives}
+    assert set(build.SIGNATURES) - bound == tuples | set(build.OF_A_FRAME)
+    assert set(build.OF_A_FRAME) == {"forward_kinematics", "jacobian"}
+    parametric = {name for name, method in vars(Parametric).items() if isinstance(method, Quantity)}
+    assert set(build.PARAMETRIC) - parametric == tuples
+    assert set(build.SIGNATURES) - set(build.PARAMETRIC) == {
+        *("regressor", "forward_kinematics", "jacobian"),
+        *("link_poses", "link_jacobians", "link_accelerations"),
+    }
 
 
 def test_coriolis_does_not_feel_gravity(tree):

@@ -22,8 +22,12 @@ MAY_IMPORT = {
     "graph": [],
     "build": ["algorithms", "graph", "mechanism", "quantities"],
     "jit": ["graph"],
-    "kernels": ["build", "jit", "robot"],  # robot for its type only
-    "robot": ["explain", "kernels", "mechanism", "model", "scalar", "validate"],  # when asked
+    "kernels": ["build", "jit", "mechanism"],
+    "parametric": ["build", "kernels", "mechanism", "robot"],
+    "robot": [  # explain and parametric when asked
+        *("algorithms", "build", "explain", "kernels", "mechanism", "model", "parametric"),
+        *("scalar", "validate"),
+    ],
     "formats": ["arms", "model", "robot", "scalar", "validate"],  # arms by name, when asked
     "arms": ["formats", "model", "robot", "scalar"],
     "typeset": [],

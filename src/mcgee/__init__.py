@@ -4,11 +4,13 @@ from mcgee import arms, audit
 from mcgee.errors import ModelError, ModelWarning
 from mcgee.formats.dh import from_dh
 from mcgee.formats.load import load
-from mcgee.robot import Limits, Robot, Terms
+from mcgee.robot import ForwardDerivatives, InverseDerivatives, Limits, Robot, Terms
 
 __version__ = "0.1.0"
 
 __all__ = [
+    "ForwardDerivatives",
+    "InverseDerivatives",
     "Limits",
     "ModelError",
     "ModelWarning",

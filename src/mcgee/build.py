@@ -3,10 +3,11 @@
 import gc
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from mcgee import quantities
+from mcgee.algorithms.parameters import TEN, with_parameters
 from mcgee.algorithms.regroup import regrouped
 from mcgee.graph.node import Graph, Value
 from mcgee.graph.program import Array, Program
@@ -15,7 +16,10 @@ from mcgee.mechanism import Mechanism
 
 @dataclass(frozen=True)
 class Signature:
-    """What a quantity takes (each (n,)) and gives; n and links stand for their numbers."""
+    """What a quantity takes (each (n,), parameters apart) and gives.
+
+    n, links and parameters (ten a body) stand for their numbers.
+    """
 
     inputs: tuple[str, ...]
     outputs: tuple[tuple[str, tuple[int | str, ...]], ...]
@@ -26,6 +30,8 @@ class Signature:
 def _gives(name: str, *shape: int | str) -> tuple[tuple[str, tuple[int | str, ...]], ...]:
     return ((name, shape),)
 
+
+_SQUARE = ("n", "n")
 
 SIGNATURES = {
     "mass_matrix": Signature(("q",), _gives("M", "n", "n")),
@@ -39,6 +45,13 @@ SIGNATURES = {
     "terms": Signature(("q", "qd"), (("M", ("n", "n")), ("Cqd", ("n",)), ("g", ("n",)))),
     "inverse_dynamics": Signature(("q", "qd", "qdd"), _gives("tau", "n")),
     "forward_dynamics": Signature(("q", "qd", "tau"), _gives("qdd", "n")),
+    "inverse_dynamics_derivatives": Signature(
+        ("q", "qd", "qdd"), (("dtau_dq", _SQUARE), ("dtau_dqd", _SQUARE), ("M", _SQUARE))
+    ),
+    "forward_dynamics_derivatives": Signature(
+        ("q", "qd", "tau"), (("dqdd_dq", _SQUARE), ("dqdd_dqd", _SQUARE), ("Minv", _SQUARE))
+    ),
+    "regressor": Signature(("q", "qd", "qdd"), _gives("Y", "n", "parameters")),
     "kinetic_energy": Signature(("q", "qd"), _gives("T")),
     "potential_energy": Signature(("q",), _gives("P"), energy=True),
     "forward_kinematics": Signature(("q",), _gives("T", 4, 4)),
@@ -48,21 +61,73 @@ SIGNATURES = {
     "link_jacobians": Signature(("q",), _gives("J", "links", 6, "n")),
 }
 
+OF_A_FRAME = ("forward_kinematics", "jacobian")
+"""Their option is the name of a frame."""
 
-def trace(mechanism: Mechanism, quantity: str, *options: Any) -> Program:
-    """Run the quantity's algorithm on graph nodes."""
-    signature, graph, n = SIGNATURES[quantity], Graph(), mechanism.n
-    inputs = tuple(Array(name, (n,)) for name in signature.inputs)
-    nodes = [graph.inputs(array.name, n) for array in inputs]
+
+PARAMETRIC = {
+    name: replace(signature, inputs=(*signature.inputs, "parameters"))
+    for name, signature in SIGNATURES.items()
+    if not {size for _, shape in signature.outputs for size in shape}
+    & {"links", "parameters", 4, 6}
+}
+"""What depends on inertias: the same with the inertial parameters as one more input."""
+
+
+def signature(quantity: str, parametric: bool = False) -> Signature:
+    return (PARAMETRIC if parametric else SIGNATURES)[quantity]
+
+
+def width(mechanism: Mechanism, name: str) -> int:
+    """How many numbers an input of this name holds."""
+    return TEN * len(mechanism.bodies) if name == "parameters" else mechanism.n
+
+
+def trace(mechanism: Mechanism, quantity: str, *options: Any, parametric: bool = False) -> Program:
+    """Run the quantity's algorithm on graph nodes.
+
+    Regrouping known inertias costs nothing. Inertias that are inputs are regrouped where that
+    saves more operations than it takes.
+    """
     with _collection_paused():
-        model = mechanism if signature.energy else regrouped(mechanism)
-        result = getattr(quantities, quantity)(model, *nodes, *options)
-    sizes = {"n": n, "links": len(mechanism.masses)}
+        if signature(quantity).energy or not parametric:
+            regroup = not signature(quantity).energy
+            return _traced(mechanism, quantity, options, parametric, regroup)
+        both = [_traced(mechanism, quantity, options, True, regroup) for regroup in (False, True)]
+        return min(both, key=Program.arithmetic)
+
+
+def _traced(
+    mechanism: Mechanism, quantity: str, options: tuple, parametric: bool, regroup: bool
+) -> Program:
+    takes, graph = signature(quantity, parametric), Graph()
+    inputs = tuple(Array(name, (width(mechanism, name),)) for name in takes.inputs)
+    nodes = [graph.inputs(array.name, array.size) for array in inputs]
+    model = with_parameters(mechanism, nodes.pop()) if parametric else mechanism
+    model = regrouped(model) if regroup else model
+    result = getattr(quantities, quantity)(model, *nodes, *options)
+    sizes = {"n": mechanism.n, "links": len(mechanism.masses)}
+    sizes["parameters"] = width(mechanism, "parameters")
     outputs = tuple(
         Array(name, tuple(sizes[size] if isinstance(size, str) else size for size in shape))
-        for name, shape in signature.outputs
+        for name, shape in takes.outputs
     )
     return Program(quantity, inputs, outputs, tuple(_flat(result)))
+
+
+def operation_counts(
+    mechanism: Mechanism, frame: str, parametric: bool = False
+) -> dict[str, dict[str, int]]:
+    """Of every quantity that exists for the mechanism, those of frames at the given one."""
+    counts = {}
+    for name in PARAMETRIC if parametric else SIGNATURES:
+        options = (frame,) if name in OF_A_FRAME else ()
+        try:
+            program = trace(mechanism, name, *options, parametric=parametric)
+        except ZeroDivisionError:  # M is singular in every pose
+            continue
+        counts[name] = program.operation_counts()
+    return counts
 
 
 @contextmanager

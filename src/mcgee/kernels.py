@@ -7,15 +7,30 @@ import threading
 from collections.abc import Callable
 from functools import cached_property, update_wrapper
 from types import MethodType
-from typing import TYPE_CHECKING, Any, TypeVar, cast
+from typing import Any, ClassVar, Protocol, TypeVar, cast
 
 import numpy as np
 
 from mcgee import build
 from mcgee.jit.ufunc import gufunc
+from mcgee.mechanism import Mechanism
 
-if TYPE_CHECKING:
-    from mcgee.robot import Robot
+
+class Robot(Protocol):
+    """Whose kernels these are: a `mcgee.robot.Robot`, or its `with_parameters()`."""
+
+    parametric: ClassVar[bool]
+    __dict__: dict[str, Any]
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def joint_names(self) -> tuple[str, ...]: ...
+    @property
+    def symbols(self) -> tuple[str, ...]: ...
+    @property
+    def mechanism(self) -> Mechanism: ...
+
 
 F = TypeVar("F", bound=Callable)
 _lock = threading.RLock()
@@ -56,7 +71,8 @@ class Bound:
     """A quantity of a robot as a function of arrays, with one clear sentence for bad ones."""
 
     def __init__(self, robot: Robot, name: str, *options: str, stub: Callable | None = None):
-        self.robot, self.options, self.inputs = robot, options, build.SIGNATURES[name].inputs
+        self.robot, self.options = robot, options
+        self.inputs = build.signature(name, robot.parametric).inputs
         self.__name__ = name
         if stub is not None:
             self.__doc__, self.__wrapped__ = stub.__doc__, MethodType(stub, robot)
@@ -86,23 +102,37 @@ class Bound:
         return getattr, (self.robot, self.__name__)
 
 
+def bound(robot: Robot, name: str, *options: str) -> Bound:
+    """A quantity that is no `Quantity` of the robot's class, made once."""
+    known = robot.__dict__.setdefault("_calls", {})
+    call = known.get((name, options))
+    if call is None:
+        call = known[name, options] = Bound(robot, name, *options)
+    return call
+
+
 def compiled(robot: Robot, name: str, *options: str) -> np.ufunc:
     """The gufunc of a quantity of this robot, compiled at most once."""
     with _lock:
         known = robot.__dict__.setdefault("_ufuncs", {})
         if (name, options) not in known:
-            if robot.symbols:
-                raise ValueError(
-                    f"robot '{robot.name}' still has the symbols {', '.join(robot.symbols)}; "
-                    f"kernels need numbers. Give them with "
-                    f"arm.subs({{{', '.join(f'{s!r}: …' for s in robot.symbols[:3])}}})."
-                )
+            refuse_symbols(robot, "kernels")
             try:
-                program = build.trace(robot.mechanism, name, *options)
+                program = build.trace(robot.mechanism, name, *options, parametric=robot.parametric)
             except ZeroDivisionError:
                 raise ValueError(_singular(robot, name)) from None
             known[name, options] = gufunc(program)
         return known[name, options]
+
+
+def refuse_symbols(robot: Robot, what: str) -> None:
+    """Raises: ValueError: the robot has symbols, and what is asked for needs numbers"""
+    if robot.symbols:
+        raise ValueError(
+            f"robot '{robot.name}' still has the symbols {', '.join(robot.symbols)}; "
+            f"{what} need numbers. Give them with "
+            f"arm.subs({{{', '.join(f'{s!r}: …' for s in robot.symbols[:3])}}})."
+        )
 
 
 def _singular(robot: Robot, name: str) -> str:
@@ -136,27 +166,38 @@ def _positional(
     return places
 
 
+def _elements(robot: Robot, wanted: str) -> str:
+    """What the last dimension of an input counts."""
+    if wanted == "parameters":
+        joints = ", ".join(body.name for body in robot.mechanism.bodies)
+        return f"Ten for the link of each joint, as in arm.inertial_parameters: {joints}"
+    return f"Joints: {', '.join(robot.joint_names)}"
+
+
 def _explained(
     robot: Robot, name: str, names: tuple[str, ...], args: tuple, error: Exception
 ) -> Exception:
     """The clearest sentence for what NumPy refused."""
-    if not len(names) <= len(args) <= len(names) + len(build.SIGNATURES[name].outputs):
+    if (
+        not len(names)
+        <= len(args)
+        <= len(names) + len(build.signature(name, robot.parametric).outputs)
+    ):
         return TypeError(f"{name} takes {len(names)} arrays ({', '.join(names)}), got {len(args)}.")
     for wanted, given in zip(names, args, strict=False):
+        width = build.width(robot.mechanism, wanted)
         try:
             array = np.asarray(given)
         except ValueError:
-            return ValueError(
-                f"{wanted} is ragged: its rows differ in length. Each needs {robot.n}."
-            )
+            return ValueError(f"{wanted} is ragged: its rows differ in length. Each needs {width}.")
         if array.dtype.kind not in "fiub":
             return TypeError(
                 f"{wanted} holds {array.dtype}, expected real numbers for robot '{robot.name}'."
             )
-        if array.shape[-1:] != (robot.n,):
+        if array.shape[-1:] != (width,):
             return ValueError(
-                f"{wanted} has shape {array.shape}, expected (..., {robot.n}) for robot "
-                f"'{robot.name}'. Joints: {', '.join(robot.joint_names)}."
+                f"{wanted} has shape {array.shape}, expected (..., {width}) for robot "
+                f"'{robot.name}'. {_elements(robot, wanted)}."
             )
     leads = [np.shape(given)[:-1] for given in args[: len(names)]]
     try:

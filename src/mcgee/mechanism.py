@@ -35,6 +35,8 @@ class Body:
     coordinate: int
     multiplier: Scalar
     """Joint position = multiplier * q[coordinate]; a mimic's offset is part of the pose."""
+    link: str
+    """The link that the joint moves."""
 
 
 @dataclass(frozen=True)
@@ -156,6 +158,7 @@ def _empty_body(
         armature=joint.armature,
         coordinate=coordinate,
         multiplier=multiplier,
+        link=joint.child,
     )
 
 

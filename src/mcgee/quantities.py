@@ -6,6 +6,7 @@ with joint positions A q + b, M = Aᵀ M_joints A, and so on.
 """
 
 from collections.abc import Sequence
+from operator import mul
 from typing import Any
 
 from mcgee.algorithms.aba import aba
@@ -14,6 +15,7 @@ from mcgee.algorithms.coriolis import coriolis_matrix as coriolis_matrix_of_join
 from mcgee.algorithms.coriolis import coriolis_product as coriolis_product_of_joints
 from mcgee.algorithms.crba import crba
 from mcgee.algorithms.definition import definition
+from mcgee.algorithms.derivatives import Linearization
 from mcgee.algorithms.energy import kinetic_energy as kinetic_energy_of_joints
 from mcgee.algorithms.energy import potential_energy as potential_energy_of_joints
 from mcgee.algorithms.gravity import gravity_force, gravity_slope
@@ -23,8 +25,9 @@ from mcgee.algorithms.kinematics import (
     frame_pose,
     point_jacobian,
 )
-from mcgee.algorithms.linear import inverse, solve
+from mcgee.algorithms.linear import inverse, solve, solve_columns
 from mcgee.algorithms.motion import acceleration_at, accelerations, velocities
+from mcgee.algorithms.regressor import regressor as regressor_of_joints
 from mcgee.algorithms.rnea import rnea
 from mcgee.algorithms.spatial import Vector
 from mcgee.algorithms.tree import transforms
@@ -33,6 +36,7 @@ from mcgee.model import Pose
 from mcgee.scalar import Scalar
 
 Coordinates = Sequence[Scalar]
+Rows = list[list[Scalar]]
 
 
 def mass_matrix(m: Mechanism, q: Coordinates) -> list[list[Scalar]]:
@@ -91,6 +95,32 @@ def forward_dynamics(
         return aba(m, q, qd, tau)
     bias = inverse_dynamics(m, q, qd, [0] * m.n)
     return solve(mass_matrix(m, q), [t - b for t, b in zip(tau, bias, strict=True)])
+
+
+def inverse_dynamics_derivatives(
+    m: Mechanism, q: Coordinates, qd: Coordinates, qdd: Coordinates
+) -> tuple[Rows, Rows, Rows]:
+    at = Linearization(m, m.joint_space(q), m.joint_space(qd))
+    dtau_dq = _project(m, at.dtau_dq(m.joint_space(qdd)), 2)
+    return dtau_dq, _project(m, at.dtau_dqd, 2), _mirrored(_project(m, at.M, 2))
+
+
+def forward_dynamics_derivatives(
+    m: Mechanism, q: Coordinates, qd: Coordinates, tau: Coordinates
+) -> tuple[Rows, Rows, Rows]:
+    """From qdd(q, qd, tau(q, qd, qdd)) = qdd: −M⁻¹ times the derivatives of inverse dynamics."""
+    at = Linearization(m, m.joint_space(q), m.joint_space(qd))
+    M, dtau_dqd = _mirrored(_project(m, at.M, 2)), _project(m, at.dtau_dqd, 2)
+    # C qd = ½ ∂tau/∂qd qd
+    bias = [sum(map(mul, C2, qd)) / 2 + g for C2, g in zip(dtau_dqd, gravity(m, q), strict=True)]
+    qdd = solve(M, [t - b for t, b in zip(tau, bias, strict=True)])
+    dtau_dq = _project(m, at.dtau_dq(m.joint_space(qdd)), 2)
+    dqdd_dq, dqdd_dqd = (solve_columns(M, _negative(slopes)) for slopes in (dtau_dq, dtau_dqd))
+    return dqdd_dq, dqdd_dqd, inverse(M)
+
+
+def regressor(m: Mechanism, q: Coordinates, qd: Coordinates, qdd: Coordinates) -> Rows:
+    return _project(m, regressor_of_joints(m, *(m.joint_space(x) for x in (q, qd, qdd))), 1)
 
 
 def kinetic_energy(m: Mechanism, q: Coordinates, qd: Coordinates) -> Scalar:
@@ -168,6 +198,10 @@ def _project(m: Mechanism, array: Any, axes: int) -> Any:
 def _mirrored(rows: list[list[Scalar]]) -> list[list[Scalar]]:
     """Symmetric to the last bit: a projection adds up mirrored elements in different orders."""
     return [[rows[max(i, j)][min(i, j)] for j in range(len(rows))] for i in range(len(rows))]
+
+
+def _negative(rows: Rows) -> Rows:
+    return [[-x for x in row] for row in rows]
 
 
 def _scaled(x: Any, k: Scalar) -> Any:

@@ -13,18 +13,21 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from mcgee import validate
-from mcgee.kernels import Bound, quantity
+from mcgee.algorithms.parameters import inertial_parameters
+from mcgee.build import operation_counts
+from mcgee.kernels import bound, quantity, refuse_symbols
 from mcgee.mechanism import GROUND, Mechanism, depth_first, reduce, root_of
 from mcgee.model import Frame, Joint, Link, Vec3, is_number, map_numbers
 from mcgee.scalar import Scalar, plain
 
 if TYPE_CHECKING:
     from mcgee.explain import Explanation
+    from mcgee.parametric import Parametric
 
 EARTH: Vec3 = (0.0, 0.0, -9.81)
 
@@ -46,6 +49,22 @@ class Terms(NamedTuple):
     g: np.ndarray
 
 
+class InverseDerivatives(NamedTuple):
+    """∂tau/∂q, ∂tau/∂qd and ∂tau/∂qdd = M, (..., n, n) each; row i belongs to tau_i."""
+
+    dtau_dq: np.ndarray
+    dtau_dqd: np.ndarray
+    M: np.ndarray
+
+
+class ForwardDerivatives(NamedTuple):
+    """∂qdd/∂q, ∂qdd/∂qd and ∂qdd/∂tau = M⁻¹, (..., n, n) each; row i belongs to qdd_i."""
+
+    dqdd_dq: np.ndarray
+    dqdd_dqd: np.ndarray
+    Minv: np.ndarray
+
+
 @dataclass(frozen=True, repr=False)
 class Robot:
     """A tree of links on a fixed base. Immutable; made by `load`, `from_dh` or `mcgee.arms`.
@@ -62,6 +81,9 @@ class Robot:
     frames: tuple[Frame, ...] = ()
     gravity_vector: Vec3 = EARTH
     warnings: tuple[str, ...] = field(default=(), compare=False)
+
+    parametric: ClassVar[bool] = False
+    """Whether the inertial parameters are an argument; see `with_parameters`."""
 
     def __post_init__(self) -> None:
         validate.check(self.name, self.links, self.joints, self.frames, self.gravity_vector)
@@ -365,6 +387,89 @@ class Robot:
         Source: Featherstone 1983 and 2008, table 7.1. Cost: O(n); with mimic joints O(n³)
         """
 
+    def inverse_dynamics_derivatives(
+        self, q: Any, qd: Any, qdd: Any, **ufunc: Any
+    ) -> InverseDerivatives:
+        """How the efforts of inverse dynamics change with q, qd and qdd, to first order.
+
+        Args:
+            q, qd, qdd: joint positions, velocities, accelerations (..., n)
+        Returns: a named tuple (dtau_dq, dtau_dqd, M) of (..., n, n) each, [i, j] = ∂tau_i/∂x_j
+            [N·m/rad, N·m·s/rad, kg·m², and so on]
+        Raises: ValueError: a last dimension is not n
+        Equals: dtau_dqd = 2 coriolis_matrix(q, qd); M = mass_matrix(q)
+        Source: Singh, Russell & Wensing 2022. Cost: O(n²); 1,552 additions and multiplications for
+            a UR5, where differentiating the graph of tau leaves 1,747
+        """
+        return InverseDerivatives(*bound(self, "inverse_dynamics_derivatives")(q, qd, qdd, **ufunc))
+
+    def forward_dynamics_derivatives(
+        self, q: Any, qd: Any, tau: Any, **ufunc: Any
+    ) -> ForwardDerivatives:
+        """How the accelerations that tau causes change with q, qd and tau, to first order.
+
+        Args:
+            q, qd: joint positions and velocities (..., n); tau: efforts (..., n) [N·m | N]
+        Returns: a named tuple (dqdd_dq, dqdd_dqd, Minv) of (..., n, n) each,
+            [i, j] = ∂qdd_i/∂x_j [1/s², 1/s, 1/(kg·m²), and so on]
+        Raises: ValueError: a last dimension is not n
+        Equals: −M⁻¹ dtau_dq, −M⁻¹ dtau_dqd and M⁻¹, dtau_dq at the qdd that tau causes
+        Source: Carpentier & Mansard 2018; Singh, Russell & Wensing 2022. Cost: O(n³) by its
+            products with M⁻¹
+        """
+        return ForwardDerivatives(*bound(self, "forward_dynamics_derivatives")(q, qd, tau, **ufunc))
+
+    @quantity
+    def regressor(self, q: Any, qd: Any, qdd: Any, **ufunc: Any) -> np.ndarray:
+        """Y, by which inverse dynamics is linear in the links' inertial parameters.
+
+        Args:
+            q, qd, qdd: joint positions, velocities, accelerations (..., n)
+        Returns: (..., n, 10 bodies), columns in the order of `inertial_parameters`; the bodies
+            are the joints that move, n where none mimics another
+        Raises: ValueError: a last dimension is not n
+        Equals: Y @ inertial_parameters = inverse_dynamics(q, qd, qdd), less armature * qdd for
+            joints that have a rotor
+        Source: Atkeson, An & Hollerbach 1986. Cost: O(n²)
+        """
+
+    @cached_property
+    def inertial_parameters(self) -> np.ndarray:
+        """m, m cx, m cy, m cz, Ixx, Ixy, Iyy, Ixz, Iyz, Izz of the link of each moving joint.
+
+        About the origin and in the axes of that link's frame, each link together with all that
+        is fixed to it [kg, kg·m, kg·m²]. Armature is no part of them.
+
+        Returns: (10 bodies,), read-only; of expressions while the robot has symbols
+        """
+        kind = object if self.symbols else float
+        parameters = np.array(inertial_parameters(self.mechanism), kind)
+        parameters.flags.writeable = False
+        return parameters
+
+    def with_parameters(self) -> Parametric:
+        """The dynamics with the inertial parameters as a last argument, for identification.
+
+        Returns: an object whose mass_matrix, inverse_dynamics, … take `parameters`
+            (..., 10 bodies) after their other arrays, ordered as `inertial_parameters`
+        """
+        from mcgee.parametric import Parametric
+
+        return Parametric(self)
+
+    def operation_counts(self) -> dict[str, dict[str, int]]:
+        """What one evaluation of each quantity costs, after all simplifications.
+
+        Returns: by quantity, the numbers of additions ("add", subtractions among them),
+            multiplications ("mul"), divisions ("div"), sign changes ("neg") and sine-cosine pairs
+            ("sincos"); with fused multiply-adds, how many those are ("fma") and how many
+            instructions they and the first four come to ("instructions"). Frame quantities are
+            counted at `end_frame`, and what needs M⁻¹ only where M has an inverse
+        Raises: ValueError: the robot still has symbols
+        """
+        refuse_symbols(self, "operation counts")
+        return operation_counts(self.mechanism, self.end_frame)
+
     @quantity
     def kinetic_energy(self, q: Any, qd: Any, **ufunc: Any) -> np.ndarray:
         """T = ½ qdᵀ M(q) qd.
@@ -390,7 +495,7 @@ class Robot:
             q, qd: joint positions and velocities (..., n)
         Returns: a named tuple (M, Cqd, g) of (..., n, n), (..., n), (..., n)
         """
-        return Terms(*self._bound("terms")(q, qd, **ufunc))
+        return Terms(*bound(self, "terms")(q, qd, **ufunc))
 
     def forward_kinematics(self, q: Any, frame: str | None = None, **ufunc: Any) -> np.ndarray:
         """The pose of a frame in the root frame.
@@ -401,7 +506,7 @@ class Robot:
         Returns: homogeneous matrices (..., 4, 4), translations in m
         Raises: ValueError: an unknown frame
         """
-        return self._bound("forward_kinematics", self._frame(frame))(q, **ufunc)
+        return bound(self, "forward_kinematics", self._frame(frame))(q, **ufunc)
 
     def jacobian(self, q: Any, frame: str | None = None, **ufunc: Any) -> np.ndarray:
         """From joint velocities to a frame's velocity: linear rows first, then angular.
@@ -412,7 +517,7 @@ class Robot:
         Returns: (..., 6, n), in the root frame's axes, at the frame's origin
         Raises: ValueError: an unknown frame
         """
-        return self._bound("jacobian", self._frame(frame))(q, **ufunc)
+        return bound(self, "jacobian", self._frame(frame))(q, **ufunc)
 
     @quantity
     def link_poses(self, q: Any, **ufunc: Any) -> np.ndarray:
@@ -458,13 +563,6 @@ class Robot:
         from mcgee.explain import explain
 
         return explain(self, q, qd, qdd, self._frame(frame))
-
-    def _bound(self, name: str, *options: str) -> Any:
-        known = self.__dict__.setdefault("_calls", {})
-        call = known.get((name, options))
-        if call is None:
-            call = known[name, options] = Bound(self, name, *options)
-        return call
 
     def _frame(self, frame: str | None) -> str:
         name = self.end_frame if frame is None else frame

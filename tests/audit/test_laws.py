@@ -112,6 +112,25 @@ def at_the_end_frame(right, q, frame=None):
     return right(q, frame) if frame else rates_of_an_angle_before_a_position(right, q)
 
 
+def with_one_part(k, factor):
+    """A named tuple of which one array is wrong."""
+
+    def wrong(right, *args):
+        parts = [*right(*args)]
+        parts[k] = factor * parts[k]
+        return tuple(parts)
+
+    return wrong
+
+
+def reparametrised(**wrong):
+    return lambda right: Sabotaged(right(), **wrong)
+
+
+def deaf_to_parameters(right, q, qd, qdd, parameters):
+    return right(q, qd, qdd, np.roll(parameters, 1))
+
+
 SABOTAGE = {
     "M asymmetric in the last bits": (
         {"mass_matrix": last_bits_apart},
@@ -128,6 +147,7 @@ SABOTAGE = {
             "coriolis_skew",
             "coriolis_powerless",
             "terms_are_the_parts",
+            "derivatives_are_coriolis_and_inertia",
         },
     ),
     "T halved: the ½ taken twice": (
@@ -149,7 +169,10 @@ SABOTAGE = {
     ),
     "M⁻¹ a millionth off": (
         {"mass_matrix_inverse": too_large(1 + 1e-6)},
-        {"inertia_inverse"},
+        {
+            "inertia_inverse",
+            "forward_derivatives_undo_inverse",
+        },
     ),
     "symbols a millionth off": (
         {"christoffel": too_large(1 + 1e-6)},
@@ -167,19 +190,34 @@ SABOTAGE = {
             "coriolis_powerless",
             "coriolis_is_C_qd",
             "coriolis_product_symmetric",
+            "derivatives_are_coriolis_and_inertia",
         },
     ),
     "C transposed": (
         {"coriolis_matrix": transposed},
-        {"coriolis_from_christoffel", "coriolis_is_C_qd", "coriolis_product_symmetric"},
+        {
+            "coriolis_from_christoffel",
+            "coriolis_is_C_qd",
+            "coriolis_product_symmetric",
+            "derivatives_are_coriolis_and_inertia",
+        },
     ),
     "C qd right, Ṁ − 2C not skew": (
         {"coriolis_matrix": with_idle_part},
-        {"coriolis_from_christoffel", "coriolis_skew", "coriolis_product_symmetric"},
+        {
+            "coriolis_from_christoffel",
+            "coriolis_skew",
+            "coriolis_product_symmetric",
+            "derivatives_are_coriolis_and_inertia",
+        },
     ),
     "C qd right, Ṁ − 2C skew, C not by the symbols": (
         {"coriolis_matrix": with_idle_skew_part},
-        {"coriolis_from_christoffel", "coriolis_product_symmetric"},
+        {
+            "coriolis_from_christoffel",
+            "coriolis_product_symmetric",
+            "derivatives_are_coriolis_and_inertia",
+        },
     ),
     "C qd two percent too large": (
         {"coriolis": too_large(1.02)},
@@ -208,11 +246,25 @@ SABOTAGE = {
     ),
     "tau with friction": (
         {"inverse_dynamics": with_friction},
-        {"equation_of_motion", "forward_undoes_inverse", "energy_balance"},
+        {
+            "equation_of_motion",
+            "forward_undoes_inverse",
+            "energy_balance",
+            "derivatives_are_slopes_of_inverse",
+            "forward_derivatives_undo_inverse",
+            "regressor_times_parameters",
+        },
     ),
     "tau with a dead load": (
         {"inverse_dynamics": with_a_dead_load},
-        {"gravity_holds", "equation_of_motion", "forward_undoes_inverse", "energy_balance"},
+        {
+            "gravity_holds",
+            "equation_of_motion",
+            "forward_undoes_inverse",
+            "energy_balance",
+            "forward_derivatives_undo_inverse",
+            "regressor_times_parameters",
+        },
     ),
     "accelerations a millionth off": (
         {"forward_dynamics": too_large(1 + 1e-6)},
@@ -220,11 +272,63 @@ SABOTAGE = {
     ),
     "terms with another M": (
         {"terms": scaled_terms(M=1.02)},
-        {"equation_of_motion", "terms_are_the_parts"},
+        {
+            "equation_of_motion",
+            "terms_are_the_parts",
+            "parameters_stand_for_links",
+        },
     ),
     "terms without gravity": (
         {"terms": scaled_terms(g=0.0)},
-        {"equation_of_motion", "terms_are_the_parts"},
+        {
+            "equation_of_motion",
+            "terms_are_the_parts",
+            "parameters_stand_for_links",
+        },
+    ),
+    "∂tau/∂q a millionth off": (
+        {"inverse_dynamics_derivatives": with_one_part(0, 1 + 1e-6)},
+        {"derivatives_are_slopes_of_inverse", "forward_derivatives_undo_inverse"},
+    ),
+    "∂tau/∂qd a hundred-millionth off": (
+        {"inverse_dynamics_derivatives": with_one_part(1, 1 + 1e-8)},
+        {
+            "derivatives_are_slopes_of_inverse",
+            "derivatives_are_coriolis_and_inertia",
+            "forward_derivatives_undo_inverse",
+        },
+    ),
+    "∂tau/∂qdd without its last digits": (
+        {"inverse_dynamics_derivatives": with_one_part(2, 1 + 1e-10)},
+        {"derivatives_are_coriolis_and_inertia"},
+    ),
+    "∂qdd/∂q a millionth off": (
+        {"forward_dynamics_derivatives": with_one_part(0, 1 + 1e-6)},
+        {"forward_derivatives_undo_inverse"},
+    ),
+    "∂qdd/∂qd of the wrong sign": (
+        {"forward_dynamics_derivatives": with_one_part(1, -1)},
+        {"forward_derivatives_undo_inverse"},
+    ),
+    "∂qdd/∂tau a millionth off": (
+        {"forward_dynamics_derivatives": with_one_part(2, 1 + 1e-6)},
+        {"forward_derivatives_undo_inverse"},
+    ),
+    "a regressor whose links are exchanged": (
+        {"regressor": lambda right, *state: np.roll(right(*state), 10, axis=-1)},
+        {"regressor_times_parameters", "inverse_linear_in_parameters"},
+    ),
+    "another robot's parameters": (
+        {"inertial_parameters": np.linspace(1.0, 2.0, 40)},
+        {"regressor_times_parameters", "parameters_stand_for_links"},
+    ),
+    "tau that takes its parameters in another order": (
+        {"with_parameters": reparametrised(inverse_dynamics=deaf_to_parameters)},
+        {"inverse_linear_in_parameters"},
+    ),
+    "terms that take only half of their parameters": (
+        {"with_parameters": reparametrised(terms=lambda right, q, qd, p: right(q, qd, p / 2))},
+        {"parameters_stand_for_links"},
     ),
     "the Jacobian's angular rows first": (
         {"jacobian": rates_of_an_angle_before_a_position},
@@ -268,7 +372,12 @@ def test_a_matrix_that_is_skew_and_powerless_and_gives_the_wrong_torque(arm, sta
     wrong = Sabotaged(
         arm, coriolis_matrix=lambda right, q, qd: half_the_rate_of_inertia(right, q, qd, arm)
     )
-    expected = {"coriolis_from_christoffel", "coriolis_is_C_qd", "coriolis_product_symmetric"}
+    expected = {
+        "coriolis_from_christoffel",
+        "coriolis_is_C_qd",
+        "coriolis_product_symmetric",
+        "derivatives_are_coriolis_and_inertia",
+    }
     assert broken(wrong, states) == expected
 
 
@@ -297,6 +406,8 @@ READS = {
         "gravity_holds",
         "equation_of_motion",
         "forward_undoes_inverse",
+        "regressor_times_parameters",
+        "inverse_linear_in_parameters",
         "jacobian_is_rate_of_pose",
     },
     "kinetic_energy": {
@@ -313,6 +424,13 @@ READS = {
     },
     "christoffel": {"christoffel_symbols", "coriolis_from_christoffel"},
     "forward_dynamics": {"forward_undoes_inverse"},
+    "inverse_dynamics_derivatives": {
+        "derivatives_are_slopes_of_inverse",
+        "derivatives_are_coriolis_and_inertia",
+        "forward_derivatives_undo_inverse",
+    },
+    "forward_dynamics_derivatives": {"forward_derivatives_undo_inverse"},
+    "regressor": {"regressor_times_parameters", "inverse_linear_in_parameters"},
     "forward_kinematics": {"inertia_by_definition", "jacobian_is_rate_of_pose"},
 }
 

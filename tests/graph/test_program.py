@@ -90,6 +90,8 @@ def test_operations_are_counted_once_and_only_where_needed():
         "div": 1,
         "neg": 1,
         "sincos": 3,  # of x0, of x1 by its cosine, of x1 + 1 by its sine
+        "fma": 1,  # c * s + x1, and c * s is asked for itself
+        "instructions": 6,
     }
 
 

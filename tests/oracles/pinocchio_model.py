@@ -76,6 +76,33 @@ class Oracle:
         bias = self.inverse_dynamics(q, qd, 0 * qd)
         return np.linalg.solve(self.mass_matrix(q), tau - bias)
 
+    def inverse_dynamics_derivatives(self, q, qd, qdd):
+        state = self.positions(q), self.A @ qd, self.A @ qdd
+        slopes = pin.computeRNEADerivatives(self.model, self.data, *state)[:2]
+        return *(self.A.T @ slope @ self.A for slope in slopes), self.mass_matrix(q)
+
+    def forward_dynamics_derivatives(self, q, qd, tau):
+        """By its articulated-body algorithm; there are no followers."""
+        back = np.linalg.inv(self.A)
+        state = self.positions(q), self.A @ qd, back.T @ tau
+        by_q, by_qd, Minv = pin.computeABADerivatives(self.model, self.data, *state)[:3]
+        Minv = np.triu(Minv) + np.triu(Minv, 1).T
+        return back @ by_q @ self.A, back @ by_qd @ self.A, back @ Minv @ back.T
+
+    def regressor(self, q, qd, qdd, poses, order):
+        """Its parameters are those of a body in its joint's frame.
+
+        poses are of those frames in the frames of the links, by joint; order is of the joints.
+        """
+        state = self.positions(q), self.A @ qd, self.A @ qdd
+        Y = pin.computeJointTorqueRegressor(self.model, self.data, *state)
+        Y = self.A.T @ Y.reshape(self.model.nv, -1)  # one joint makes it a vector
+        blocks = []
+        for name in order:
+            k = self.model.getJointId(name) - 1
+            blocks.append(Y[:, 10 * k : 10 * k + 10] @ _carried(poses[name]))
+        return np.concatenate(blocks, axis=1)
+
     def kinetic_energy(self, q, qd):
         """Rotors apart: Pinocchio 4.1 forgets those of its prismatic joints along any axis."""
         v, x = self.A @ qd, self.positions(q)
@@ -94,6 +121,22 @@ class Oracle:
         axes = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
         J = pin.computeFrameJacobian(self.model, self.data, x, i, axes)
         return J.reshape(6, -1) @ self.A  # one joint makes it a vector
+
+
+def _carried(pose: Pose) -> np.ndarray:
+    """From ten parameters about a frame to those about another, pose being of the first in it."""
+    columns = []
+    for unit in np.eye(10):
+        m, h, (xx, xy, yy, xz, yz, zz) = unit[0], unit[1:4], unit[4:]
+        I = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        R, r = np.array(pose.rotation, float), np.array(pose.translation, float)
+        # ∫ c cᵀ dm moves like any second moment
+        P = R @ (np.trace(I) / 2 * np.eye(3) - I) @ R.T
+        h = R @ h
+        P = P + np.outer(r, h) + np.outer(h, r) + m * np.outer(r, r)
+        I, h = np.trace(P) * np.eye(3) - P, h + m * r
+        columns.append([m, *h, I[0, 0], I[0, 1], I[1, 1], I[0, 2], I[1, 2], I[2, 2]])
+    return np.stack(columns, axis=-1)
 
 
 def from_urdf(text: str, robot: Robot) -> Oracle:

@@ -47,6 +47,18 @@ def worst(robot, oracle, states, frames=None):
         note("forward_dynamics", robot.forward_dynamics(q, qd, tau), qdd, passed)
         other = oracle.forward_dynamics(q, qd, qdd)
         note("forward_dynamics", robot.forward_dynamics(q, qd, qdd), other, passed)
+        slopes = oracle.inverse_dynamics_derivatives(q, qd, qdd)
+        efforts = size * (speed**2 + abs(qdd).max()) + weight
+        ours = robot.inverse_dynamics_derivatives(q, qd, qdd)
+        for name, got, want, own in zip(
+            ("dtau_dq", "dtau_dqd", "M"), ours, slopes, (efforts, size * speed, 0.0), strict=True
+        ):
+            note(name, got, want, own)
+        note_forward(note, robot, oracle, (q, qd, qdd), M, inverse, weight)
+        poses = {joint.name: joint.child_pose for joint in robot.joints}
+        order = [body.name for body in robot.mechanism.bodies]
+        Y = oracle.regressor(q, qd, qdd, poses, order)
+        note("regressor", robot.regressor(q, qd, qdd), Y)
         T = oracle.kinetic_energy(q, qd)
         note("kinetic_energy", robot.kinetic_energy(q, qd), T, size * speed**2)
         note("potential_energy", robot.potential_energy(q), oracle.potential_energy(q), weight)
@@ -55,6 +67,26 @@ def worst(robot, oracle, states, frames=None):
             note("forward_kinematics", robot.forward_kinematics(q, frame), pose)
             note("jacobian", robot.jacobian(q, frame), J, 1.0)
     return errors
+
+
+def note_forward(note, robot, oracle, state, M, inverse, weight):
+    """The derivatives of forward dynamics, against Pinocchio's or, with followers, −M⁻¹ times."""
+    q, qd, tau = state
+    ours = robot.forward_dynamics_derivatives(q, qd, tau)
+    caused = oracle.forward_dynamics(q, qd, tau)
+    if oracle.A.shape[0] == oracle.A.shape[1]:
+        theirs = oracle.forward_dynamics_derivatives(q, qd, tau)
+    else:
+        by_q, by_qd, _ = oracle.inverse_dynamics_derivatives(q, qd, caused)
+        theirs = -inverse @ by_q, -inverse @ by_qd, inverse
+    size, speed = abs(M).max(), abs(qd).max()
+    passed, worsened = abs(inverse).sum(1).max(), np.linalg.cond(M)
+    slopes = size * (abs(caused).max() + speed**2) + weight
+    sizes = worsened * passed * slopes, worsened * passed * size * speed, worsened * passed
+    for name, got, want, own in zip(
+        ("dqdd_dq", "dqdd_dqd", "Minv"), ours, theirs, sizes, strict=True
+    ):
+        note(name, got, want, own)
 
 
 def assert_agrees(robot, oracle, states, tolerance, frames=None):

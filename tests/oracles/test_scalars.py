@@ -9,6 +9,7 @@ import pytest
 
 from mcgee import arms, build
 from mcgee import quantities as on
+from mcgee.algorithms.parameters import inertial_parameters, with_parameters
 from mcgee.algorithms.regroup import regrouped
 from mcgee.model import Pose
 from mcgee.scalar import Turn
@@ -191,6 +192,46 @@ def test_gravity_gradient_is_slope_of_gravity(exact):
     )
 
 
+def test_derivatives_of_inverse_dynamics(exact):
+    state = exact.q, exact.qd, exact.qdd
+    by_q, by_qd, by_qdd = on.inverse_dynamics_derivatives(exact.m, *state)
+    for k in range(exact.n):
+        unit = exact.unit(k)
+        moved = on.inverse_dynamics(exact.m, exact.moving(unit), *state[1:])
+        faster = [Dual(*pair) for pair in zip(exact.qd, unit, strict=True)]
+        assert rates(moved) == [row[k] for row in by_q]
+        sped = on.inverse_dynamics(exact.m, exact.q, faster, exact.qdd)
+        assert rates(sped) == [row[k] for row in by_qd]
+    C = on.coriolis_matrix(exact.m, *state[:2])
+    assert [[2 * x for x in row] for row in C] == by_qd
+    assert by_qdd == on.mass_matrix(exact.m, exact.q)
+
+
+def test_derivatives_of_forward_dynamics(exact):
+    state = exact.q, exact.qd, exact.qdd
+    tau = on.inverse_dynamics(exact.m, *state)
+    slopes = on.forward_dynamics_derivatives(exact.m, *state[:2], tau)
+    M = on.mass_matrix(exact.m, exact.q)
+    by_q, by_qd, _ = on.inverse_dynamics_derivatives(exact.m, *state)
+    for ours, theirs in zip(slopes, (by_q, by_qd), strict=False):
+        back = [times(M, column) for column in zip(*ours, strict=True)]
+        assert back == [[-x for x in column] for column in zip(*theirs, strict=True)]
+    assert slopes[2] == on.mass_matrix_inverse(exact.m, exact.q)
+
+
+def test_inverse_dynamics_is_linear_in_the_parameters(exact):
+    """In the same way for the parameters of the links, and for any others."""
+    state = exact.q, exact.qd, exact.qdd
+    Y, p = on.regressor(exact.m, *state), inertial_parameters(exact.m)
+    rotors = on.inverse_dynamics(with_parameters(exact.m, [0] * len(p)), *state)
+    assert with_parameters(exact.m, p) == exact.m
+    assert plus(times(Y, p), rotors) == on.inverse_dynamics(exact.m, *state)
+    other = [Fraction(k % 7 - 3, 1 + k % 4) for k in range(len(p))]
+    changed = with_parameters(exact.m, other)
+    assert inertial_parameters(changed) == other
+    assert plus(times(Y, other), rotors) == on.inverse_dynamics(changed, *state)
+
+
 def test_equation_of_motion(exact):
     M, Cqd, g = on.terms(exact.m, exact.q, exact.qd)
     tau = on.inverse_dynamics(exact.m, exact.q, exact.qd, exact.qdd)
@@ -291,9 +332,12 @@ def scales(robot, q, qd, qdd):
     velocity_terms = m * speed**2
     efforts = m * abs(qdd).max() + velocity_terms + weight
     passed = abs(inverse).sum(1).max()
+    worsened = passed * abs(M).sum(1).max()  # the condition of M: what a solution loses
+    caused = np.array(on.forward_dynamics(robot.mechanism, list(q), list(qd), list(qdd)))
+    slopes = m * abs(caused).max() + velocity_terms + weight
     return {
         "mass_matrix": m,
-        "mass_matrix_inverse": passed * abs(M).sum(1).max() * abs(inverse).max(),
+        "mass_matrix_inverse": worsened * abs(inverse).max(),
         "coriolis": velocity_terms,
         "coriolis_matrix": m * speed,
         "coriolis_product": m * speed * abs(qdd).max(),
@@ -302,6 +346,12 @@ def scales(robot, q, qd, qdd):
         "gravity_gradient": weight,
         "inverse_dynamics": efforts,
         "forward_dynamics": passed * efforts,
+        "inverse_dynamics_derivatives: dtau_dq": efforts,
+        "inverse_dynamics_derivatives: dtau_dqd": m * speed,
+        "inverse_dynamics_derivatives: M": m,
+        "forward_dynamics_derivatives: dqdd_dq": passed * slopes,
+        "forward_dynamics_derivatives: dqdd_dqd": passed * m * speed,
+        "forward_dynamics_derivatives: Minv": worsened * abs(inverse).max(),
         "kinetic_energy": velocity_terms,
         "potential_energy": weight,
     }
@@ -323,12 +373,19 @@ def test_compiled_kernels_against_fifty_digits(name, rng):
                 arrays = [given[wanted] for wanted in signature.inputs]
                 frame = [robot.end_frame] if quantity in ("forward_kinematics", "jacobian") else []
                 long = [[mpmath.mpf(x) for x in array] for array in arrays]
-                want = np.array(getattr(on, quantity)(m, *long, *frame), dtype=object)
-                got = np.asarray(getattr(robot, quantity)(*arrays, *frame))
-                difference = abs(np.vectorize(mpmath.mpf, otypes=[object])(got) - want)
-                size = sizes.get(quantity, max(1.0, float(np.max(abs(want)))))
-                error = float(np.max(difference) / size) / np.finfo(float).eps
-                errors[quantity] = max(errors.get(quantity, 0.0), error)
+                results = (
+                    getattr(on, quantity)(m, *long, *frame),
+                    getattr(robot, quantity)(*arrays, *frame),
+                )
+                if len(signature.outputs) == 1:
+                    results = tuple((result,) for result in results)
+                for (part, _), want, got in zip(signature.outputs, *results, strict=True):
+                    name = quantity if len(signature.outputs) == 1 else f"{quantity}: {part}"
+                    want = np.array(want, dtype=object)
+                    difference = abs(np.vectorize(mpmath.mpf, otypes=[object])(got) - want)
+                    size = sizes.get(name, max(1.0, float(np.max(abs(want)))))
+                    error = float(np.max(difference) / size) / np.finfo(float).eps
+                    errors[name] = max(errors.get(name, 0.0), error)
     assert max(errors.values()) <= UNITS, errors
 
 

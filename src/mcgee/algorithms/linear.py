@@ -28,7 +28,17 @@ def factor(M: Sequence[Sequence[Scalar]]) -> tuple[Rows, list[Scalar]]:
 
 def solve(M: Sequence[Sequence[Scalar]], b: Sequence[Scalar]) -> list[Scalar]:
     """M⁻¹ b."""
-    L, d_inverse = factor(M)
+    return _solved(*factor(M), b)
+
+
+def solve_columns(M: Sequence[Sequence[Scalar]], b: Sequence[Sequence[Scalar]]) -> Rows:
+    """M⁻¹ b for a matrix b: no more products than by M⁻¹, and fewer where branches left zeros."""
+    factors = factor(M)
+    columns = [_solved(*factors, column) for column in zip(*b, strict=True)]
+    return [list(row) for row in zip(*columns, strict=True)]
+
+
+def _solved(L: Rows, d_inverse: Sequence[Scalar], b: Sequence[Scalar]) -> list[Scalar]:
     n, x = len(b), list(b)
     for i in reversed(range(n)):
         for j in range(i):

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from mcgee.audit.numerics import Array, apart, dot, gradient, slope, times
 from mcgee.robot import Robot
 
 ROUNDING = 1e-12
@@ -20,8 +21,6 @@ ROUNDING = 1e-12
 
 DIFFERENCE = 1e-9
 """For numerical derivatives: 1e-16 over a step of 0.02, and the ninth derivative times 0.02^8."""
-
-Array = np.ndarray
 
 
 @dataclass(frozen=True)
@@ -79,54 +78,13 @@ def _verdicts(robot: Robot, q: Array, qd: Array, qdd: Array) -> Iterator[Verdict
         yield Verdict(each, float(residual[worst]), tuple(int(i) for i in worst))
 
 
-# -- helpers --------------------------------------------------------------------------------------
-
-
-def _apart(a: Array, b: Array, *sizes: Array, axes: int = 1) -> Array:
-    """|a − b| over the largest of |a|, |b| and the sizes, along the last axes."""
-    along = tuple(range(-axes, 0))
-    scale = np.maximum(abs(a).max(along, initial=0), abs(b).max(along, initial=0))
-    for size in sizes:
-        scale = np.maximum(scale, size)
-    return abs(a - b).max(along, initial=0) / np.where(scale == 0, 1, scale)
-
-
-# central differences of eighth order
-_STEP = 0.02
-_WEIGHTS = (4 / 5, -1 / 5, 4 / 105, -1 / 280)
-
-
-def _slope(f: Callable[[float], Array]) -> Array:
-    """df/dt at t = 0."""
-    pairs = (w * (f(k * _STEP) - f(-k * _STEP)) for k, w in enumerate(_WEIGHTS, 1))
-    return sum(pairs, start=np.zeros(())) / _STEP
-
-
-def _gradient(f: Callable[[Array], Array], q: Array) -> Array:
-    """∂f/∂q_k, k along a new last axis."""
-    n = q.shape[-1]
-
-    def along(e: Array) -> Array:
-        return _slope(lambda t: f(q + t * e))
-
-    return np.stack([along(e) for e in np.eye(n)], axis=-1)
-
-
-def _times(M: Array, v: Array) -> Array:
-    return (M @ v[..., None])[..., 0]
-
-
-def _dot(a: Array, b: Array) -> Array:
-    return (a * b).sum(-1)
-
-
 # -- the inertia matrix ---------------------------------------------------------------------------
 
 
 @law("M is symmetric", 0.0)
 def inertia_symmetric(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
     M = robot.mass_matrix(q)
-    return _apart(M, M.swapaxes(-1, -2), axes=2)
+    return apart(M, M.swapaxes(-1, -2), axes=2)
 
 
 @law("M is positive definite when the links are physical", 0.0)
@@ -153,7 +111,7 @@ def inertia_by_definition(robot: Robot, q: Array, qd: Array, qdd: Array) -> Arra
         Jc = Jv + np.cross(Jw, arm[..., None], axisa=-2, axisb=-2, axisc=-2)
         I = R @ np.array(link.inertia.matrix, float) @ R.swapaxes(-1, -2)
         total += link.inertia.mass * Jc.swapaxes(-1, -2) @ Jc + Jw.swapaxes(-1, -2) @ I @ Jw
-    return _apart(M, total + _armature(robot), axes=2)
+    return apart(M, total + _armature(robot), axes=2)
 
 
 def _armature(robot: Robot) -> Array:
@@ -167,7 +125,7 @@ def _armature(robot: Robot) -> Array:
 @law("T = ½ qdᵀ M qd", ROUNDING)
 def kinetic_energy_is_half_qd_M_qd(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
     T = robot.kinetic_energy(q, qd)
-    return _apart(T[..., None], 0.5 * _dot(qd, _times(robot.mass_matrix(q), qd))[..., None])
+    return apart(T[..., None], 0.5 * dot(qd, times(robot.mass_matrix(q), qd))[..., None])
 
 
 @law("M = ∂²T/∂qd∂qdᵀ", ROUNDING)
@@ -177,7 +135,7 @@ def inertia_is_curvature_of_energy(robot: Robot, q: Array, qd: Array, qdd: Array
     pair = robot.kinetic_energy(at, e[:, None, :] + e[None, :, :])
     single = robot.kinetic_energy(at[..., 0, :], e)
     curvature = pair - single[..., :, None] - single[..., None, :]
-    return _apart(M, curvature, axes=2)
+    return apart(M, curvature, axes=2)
 
 
 @law("T > 0 for qd ≠ 0 when the links are physical", 0.0)
@@ -191,7 +149,7 @@ def kinetic_energy_positive(robot: Robot, q: Array, qd: Array, qdd: Array) -> Ar
 def inertia_inverse(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
     M, inverse = robot.mass_matrix(q), robot.mass_matrix_inverse(q)
     size = abs(M).sum(-1).max(-1) * abs(inverse).sum(-1).max(-1)
-    return _apart(inverse @ M, np.broadcast_to(np.eye(robot.n), M.shape), size, axes=2)
+    return apart(inverse @ M, np.broadcast_to(np.eye(robot.n), M.shape), size, axes=2)
 
 
 # -- velocities -----------------------------------------------------------------------------------
@@ -199,34 +157,34 @@ def inertia_inverse(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
 
 @law("c_ijk = ½(∂M_ij/∂q_k + ∂M_ik/∂q_j − ∂M_jk/∂q_i)", DIFFERENCE)
 def christoffel_symbols(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
-    D = _gradient(robot.mass_matrix, q)  # D_ijk = ∂M_ij/∂q_k
+    D = gradient(robot.mass_matrix, q)  # D_ijk = ∂M_ij/∂q_k
     c = 0.5 * (D + D.swapaxes(-1, -2) - np.moveaxis(D, -1, -3))
-    return _apart(robot.christoffel(q), c, abs(robot.mass_matrix(q)).max((-1, -2)), axes=3)
+    return apart(robot.christoffel(q), c, abs(robot.mass_matrix(q)).max((-1, -2)), axes=3)
 
 
 @law("C_ij = Σ_k c_ijk qd_k", ROUNDING)
 def coriolis_from_christoffel(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
     c, C = robot.christoffel(q), robot.coriolis_matrix(q, qd)
-    return _apart(C, _times(c, qd[..., None, :]), _inertial_size(robot, q, qd), axes=2)
+    return apart(C, times(c, qd[..., None, :]), _inertial_size(robot, q, qd), axes=2)
 
 
 @law("Ṁ − 2C is skew-symmetric", DIFFERENCE)
 def coriolis_skew(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
     N = _rate_of_inertia(robot, q, qd) - 2 * robot.coriolis_matrix(q, qd)
-    return _apart(N, -N.swapaxes(-1, -2), _inertial_size(robot, q, qd), axes=2)
+    return apart(N, -N.swapaxes(-1, -2), _inertial_size(robot, q, qd), axes=2)
 
 
 @law("½ qdᵀ (Ṁ − 2C) qd = 0: Coriolis forces move energy and never make it", DIFFERENCE)
 def coriolis_powerless(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
     N = 0.5 * _rate_of_inertia(robot, q, qd) - robot.coriolis_matrix(q, qd)
-    power = _dot(qd, _times(N, qd))
+    power = dot(qd, times(N, qd))
     size = _inertial_size(robot, q, qd) * abs(qd).max(-1) ** 2
-    return _apart(power[..., None], np.zeros_like(power)[..., None], size)
+    return apart(power[..., None], np.zeros_like(power)[..., None], size)
 
 
 def _rate_of_inertia(robot: Robot, q: Array, qd: Array) -> Array:
     """Ṁ along qd."""
-    return _times(_gradient(robot.mass_matrix, q), qd[..., None, :])
+    return times(gradient(robot.mass_matrix, q), qd[..., None, :])
 
 
 def _inertial_size(robot: Robot, q: Array, qd: Array) -> Array:
@@ -237,7 +195,7 @@ def _inertial_size(robot: Robot, q: Array, qd: Array) -> Array:
 @law("C(q, qd) qd is the velocity part of tau", ROUNDING)
 def coriolis_is_C_qd(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
     C, Cqd = robot.coriolis_matrix(q, qd), robot.coriolis(q, qd)
-    return _apart(Cqd, _times(C, qd), _inertial_size(robot, q, qd) * abs(qd).max(-1))
+    return apart(Cqd, times(C, qd), _inertial_size(robot, q, qd) * abs(qd).max(-1))
 
 
 @law("C(q, qd) v = C(q, v) qd", ROUNDING)
@@ -245,7 +203,7 @@ def coriolis_product_symmetric(robot: Robot, q: Array, qd: Array, qdd: Array) ->
     C, v = robot.coriolis_matrix(q, qd), qdd
     one, other = robot.coriolis_product(q, qd, v), robot.coriolis_product(q, v, qd)
     size = _inertial_size(robot, q, qd) * abs(v).max(-1)
-    return np.maximum(_apart(one, other, size), _apart(one, _times(C, v), size))
+    return np.maximum(apart(one, other, size), apart(one, times(C, v), size))
 
 
 # -- gravity, and the whole equation --------------------------------------------------------------
@@ -253,15 +211,15 @@ def coriolis_product_symmetric(robot: Robot, q: Array, qd: Array, qdd: Array) ->
 
 @law("g_i = ∂P/∂q_i", DIFFERENCE)
 def gravity_is_slope_of_energy(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
-    return _apart(robot.gravity(q), _gradient(robot.potential_energy, q), _weight(robot))
+    return apart(robot.gravity(q), gradient(robot.potential_energy, q), _weight(robot))
 
 
 @law("∂g/∂q is the slope of g, and symmetric", DIFFERENCE)
 def gravity_gradient_is_slope(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
     slope = robot.gravity_gradient(q)
     return np.maximum(
-        _apart(slope, _gradient(robot.gravity, q), _weight(robot), axes=2),
-        _apart(slope, slope.swapaxes(-1, -2), axes=2),
+        apart(slope, gradient(robot.gravity, q), _weight(robot), axes=2),
+        apart(slope, slope.swapaxes(-1, -2), axes=2),
     )
 
 
@@ -275,23 +233,23 @@ def _weight(robot: Robot) -> Array:
 def gravity_holds(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
     rest = np.zeros_like(q)
     g = robot.gravity(q)
-    return _apart(robot.inverse_dynamics(q, rest, rest), g, _weight(robot))
+    return apart(robot.inverse_dynamics(q, rest, rest), g, _weight(robot))
 
 
 @law("tau = M qdd + C qd + g", ROUNDING)
 def equation_of_motion(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
     M, Cqd, g = robot.terms(q, qd)
-    parts = _times(M, qdd), Cqd, g
+    parts = times(M, qdd), Cqd, g
     size = sum(abs(part).max(-1) for part in parts)
     total = parts[0] + parts[1] + parts[2]
-    return _apart(robot.inverse_dynamics(q, qd, qdd), total, np.asarray(size))
+    return apart(robot.inverse_dynamics(q, qd, qdd), total, np.asarray(size))
 
 
 @law("forward dynamics undoes inverse dynamics", ROUNDING)
 def forward_undoes_inverse(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
     tau = robot.inverse_dynamics(q, qd, qdd)
     size = abs(robot.mass_matrix_inverse(q)).sum(-1).max(-1) * abs(tau).max(-1)
-    return _apart(robot.forward_dynamics(q, qd, tau), qdd, size)
+    return apart(robot.forward_dynamics(q, qd, tau), qdd, size)
 
 
 @law("terms gives what mass_matrix, coriolis and gravity give", ROUNDING)
@@ -300,9 +258,9 @@ def terms_are_the_parts(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
     size = _inertial_size(robot, q, qd) * abs(qd).max(-1)
     return np.maximum.reduce(
         [
-            _apart(M, robot.mass_matrix(q), axes=2),
-            _apart(Cqd, robot.coriolis(q, qd), size),
-            _apart(g, robot.gravity(q), _weight(robot)),
+            apart(M, robot.mass_matrix(q), axes=2),
+            apart(Cqd, robot.coriolis(q, qd), size),
+            apart(g, robot.gravity(q), _weight(robot)),
         ]
     )
 
@@ -313,12 +271,12 @@ def energy_balance(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
     # so much time that the fastest joint moves by about one step
     pace = np.maximum(abs(qd).max(-1), np.sqrt(abs(qdd).max(-1)))[..., None]
     pace = np.where(pace > 0, pace, 1.0)
-    scaled = _slope(lambda t: _energy_at(robot, q, qd, qdd, t / pace))
+    scaled = slope(lambda t: _energy_at(robot, q, qd, qdd, t / pace))
     power = scaled * pace[..., 0]
     speed = abs(qd).max(-1)
     size = (abs(qd) * abs(tau)).sum(-1) + _weight(robot) * speed
     size = size + _inertial_size(robot, q, qd) * speed**2
-    return _apart(_dot(qd, tau)[..., None], power[..., None], size)
+    return apart(dot(qd, tau)[..., None], power[..., None], size)
 
 
 def _energy_at(robot: Robot, q: Array, qd: Array, qdd: Array, t: Array) -> Array:
@@ -327,15 +285,87 @@ def _energy_at(robot: Robot, q: Array, qd: Array, qdd: Array, t: Array) -> Array
     return robot.kinetic_energy(at, speed) + robot.potential_energy(at)
 
 
+# -- derivatives and parameters -------------------------------------------------------------------
+
+
+@law("∂tau/∂q, ∂tau/∂qd and ∂tau/∂qdd are the slopes of tau", DIFFERENCE)
+def derivatives_are_slopes_of_inverse(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
+    by_q, by_qd, by_qdd = robot.inverse_dynamics_derivatives(q, qd, qdd)
+    tau, size = robot.inverse_dynamics, _effort(robot, q, qd, qdd)
+    return np.maximum.reduce(
+        [
+            apart(by_q, gradient(lambda x: tau(x, qd, qdd), q), size, axes=2),
+            apart(by_qd, gradient(lambda x: tau(q, x, qdd), qd), size, axes=2),
+            apart(by_qdd, gradient(lambda x: tau(q, qd, x), qdd), size, axes=2),
+        ]
+    )
+
+
+@law("∂tau/∂qd = 2 C and ∂tau/∂qdd = M", ROUNDING)
+def derivatives_are_coriolis_and_inertia(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
+    _, by_qd, by_qdd = robot.inverse_dynamics_derivatives(q, qd, qdd)
+    C, size = robot.coriolis_matrix(q, qd), _inertial_size(robot, q, qd)
+    M = robot.mass_matrix(q)
+    return np.maximum(apart(by_qd, 2 * C, size, axes=2), apart(by_qdd, M, axes=2))
+
+
+@law("∂qdd/∂x = −M⁻¹ ∂tau/∂x for x = q, qd, and ∂qdd/∂tau = M⁻¹", ROUNDING)
+def forward_derivatives_undo_inverse(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
+    ours = robot.forward_dynamics_derivatives(q, qd, robot.inverse_dynamics(q, qd, qdd))
+    by_q, by_qd, M = robot.inverse_dynamics_derivatives(q, qd, qdd)
+    inverse = robot.mass_matrix_inverse(q)
+    # the rounding of tau as M⁻¹ passes it on to qdd, and qdd to the slopes
+    passed, size = abs(inverse).sum(-1).max(-1), _effort(robot, q, qd, qdd)
+    size = passed * (1 + passed * abs(M).sum(-1).max(-1)) * size
+    size = np.maximum(size, passed**2 * abs(M).sum(-1).max(-1))
+    theirs = -inverse @ by_q, -inverse @ by_qd, inverse
+    pairs = zip(ours, theirs, strict=True)
+    return np.maximum.reduce([apart(a, b, size, axes=2) for a, b in pairs])
+
+
+def _effort(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
+    """The size of what adds up to tau, and of how it changes."""
+    speed, m = abs(qd).max(-1), abs(robot.mass_matrix(q)).max((-1, -2))
+    return m * (1 + speed + speed**2 + abs(qdd).max(-1)) + _weight(robot)
+
+
+@law("tau = Y p + armature qdd", ROUNDING)
+def regressor_times_parameters(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
+    return _linear_in(robot.inertial_parameters, robot, robot.inverse_dynamics, q, qd, qdd)
+
+
+@law("tau = Y p + armature qdd whatever the parameters p", ROUNDING)
+def inverse_linear_in_parameters(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
+    p, tau = robot.inertial_parameters, robot.with_parameters().inverse_dynamics
+    other = np.cos(np.arange(p.size)) * abs(p).max()
+    return _linear_in(other, robot, lambda a, b, c: tau(a, b, c, other), q, qd, qdd)
+
+
+def _linear_in(p: Array, robot: Robot, effort: Callable, q: Array, qd: Array, qdd: Array) -> Array:
+    Y, rotors = robot.regressor(q, qd, qdd), times(_armature(robot), qdd)
+    # terms of Y may cancel; at one metre they are what the motion is
+    motion = abs(qd).max(-1) ** 2 + abs(qdd).max(-1)
+    size = np.maximum(abs(Y).max((-1, -2)), motion) * abs(p).sum()
+    return apart(effort(q, qd, qdd), Y @ p + rotors, size)
+
+
+@law("the robot's own parameters give its own M, C qd and g", ROUNDING)
+def parameters_stand_for_links(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
+    M, Cqd, g = robot.with_parameters().terms(q, qd, robot.inertial_parameters)
+    size = _inertial_size(robot, q, qd) * abs(qd).max(-1)
+    ours = zip((M, Cqd, g), robot.terms(q, qd), (0.0, size, _weight(robot)), (2, 1, 1), strict=True)
+    return np.maximum.reduce([apart(a, b, np.asarray(s), axes=k) for a, b, s, k in ours])
+
+
 # -- kinematics -----------------------------------------------------------------------------------
 
 
 @law("the Jacobian is the rate of the frame's pose", DIFFERENCE)
 def jacobian_is_rate_of_pose(robot: Robot, q: Array, qd: Array, qdd: Array) -> Array:
     T = robot.forward_kinematics(q)
-    D = np.moveaxis(_gradient(robot.forward_kinematics, q), -1, -3)  # (..., n, 4, 4)
+    D = np.moveaxis(gradient(robot.forward_kinematics, q), -1, -3)  # (..., n, 4, 4)
     W = D[..., :3, :3] @ T[..., None, :3, :3].swapaxes(-1, -2)  # each column's ω×
     rate = np.stack(
         [D[..., 0, 3], D[..., 1, 3], D[..., 2, 3], W[..., 2, 1], W[..., 0, 2], W[..., 1, 0]], -2
     )
-    return _apart(robot.jacobian(q), rate, np.asarray(1.0), axes=2)
+    return apart(robot.jacobian(q), rate, np.asarray(1.0), axes=2)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -45,16 +46,68 @@ class Program:
         return sorted(needed, key=lambda node: node.index)
 
     def operation_counts(self) -> dict[str, int]:
-        """Additions, multiplications, divisions, negations and sine-cosine pairs."""
+        """Additions, multiplications, divisions, negations and sine-cosine pairs.
+
+        fma is how many of the additions take a product into one instruction where the machine
+        has that, instructions how many are then left of the first four.
+        """
         count = Counter(node.op for node in self.nodes)
         angles = {node.args[0] for node in self.nodes if node.op in ("cos", "sin")}
+        fused = fusions(self)
+        left = live(self, fused)
         return {
             "add": count["add"] + count["sub"],
             "mul": count["mul"],
             "div": count["div"],
             "neg": count["neg"],
             "sincos": len(angles),
+            "fma": sum(node in fused for node in left),
+            "instructions": sum(node.op not in ("input", "cos", "sin") for node in left),
         }
+
+    def arithmetic(self) -> int:
+        """Additions, multiplications and divisions, together."""
+        return sum(node.op in ("add", "sub", "mul", "div") for node in self.nodes)
+
+
+# -- fused multiply-add ---------------------------------------------------------------------------
+
+
+def fusions(program: Program) -> dict[Node, Node]:
+    """For each sum that takes a product into one rounding, that product."""
+    uses = Counter(a for node in program.nodes for a in node.args if isinstance(a, Node))
+    uses.update(root for root in program.roots if isinstance(root, Node))
+    fused = {}
+    for node in program.nodes:
+        if node.op in ("add", "sub"):
+            products = [a for a in node.args if isinstance(a, Node) and a.op == "mul"]
+            if products:
+                fused[node] = min(products, key=lambda a: (uses[a], -a.index))
+    return fused
+
+
+def arguments(node: Node, fused: dict[Node, Node]) -> Sequence[Node]:
+    """The nodes whose values the operation reads."""
+    product = fused.get(node)
+    args = [a for a in node.args if isinstance(a, Node) and a is not product]
+    if product is not None:
+        args += [a for a in product.args if isinstance(a, Node)]
+    return args
+
+
+def live(program: Program, fused: dict[Node, Node]) -> list[Node]:
+    """The operations that are left when fused products have gone, in order."""
+    needed: set[Node] = set()
+    stack = [root for root in program.roots if isinstance(root, Node)]
+    while stack:
+        node = stack.pop()
+        if node not in needed:
+            needed.add(node)
+            stack.extend(arguments(node, fused))
+    return [node for node in program.nodes if node in needed]
+
+
+# -- the reference interpreter ---------------------------------------------------------------------
 
 
 def evaluate(program: Program, *arrays: Any) -> list[np.ndarray]:

@@ -7,12 +7,10 @@ part needs passes through `work`.
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from mcgee.graph.node import Node, Value
-from mcgee.graph.program import Program
+from mcgee.graph.program import Program, arguments, fusions, live
 from mcgee.jit.emit import Emitter
 from mcgee.jit.target import Target
 
@@ -37,8 +35,8 @@ class Kernel:
 
 def kernel_ir(program: Program, target: Target) -> Kernel:
     places = _places(program)
-    fused = _fusions(program) if target.fma else {}
-    order = _live(program, fused)
+    fused = fusions(program) if target.fma else {}
+    order = live(program, fused)
     parts = [order[i : i + PART] for i in range(0, len(order), PART)] or [[]]
     crossing = _crossing(parts, fused)
     offsets, start = {}, 0
@@ -84,47 +82,13 @@ def _slots(
     return tuple(slots), constants, len(places) + len(values)
 
 
-def _fusions(program: Program) -> dict[Node, Node]:
-    """For each sum that takes a product into one rounding, that product."""
-    uses = Counter(a for node in program.nodes for a in node.args if isinstance(a, Node))
-    uses.update(root for root in program.roots if isinstance(root, Node))
-    fused = {}
-    for node in program.nodes:
-        if node.op in ("add", "sub"):
-            products = [a for a in node.args if isinstance(a, Node) and a.op == "mul"]
-            if products:
-                fused[node] = min(products, key=lambda a: (uses[a], -a.index))
-    return fused
-
-
-def _arguments(node: Node, fused: dict[Node, Node]) -> Sequence[Node]:
-    """The nodes whose values the operation reads."""
-    product = fused.get(node)
-    args = [a for a in node.args if isinstance(a, Node) and a is not product]
-    if product is not None:
-        args += [a for a in product.args if isinstance(a, Node)]
-    return args
-
-
-def _live(program: Program, fused: dict[Node, Node]) -> list[Node]:
-    """The operations that are left when fused products have gone, in order."""
-    needed: set[Node] = set()
-    stack = [root for root in program.roots if isinstance(root, Node)]
-    while stack:
-        node = stack.pop()
-        if node not in needed:
-            needed.add(node)
-            stack.extend(_arguments(node, fused))
-    return [node for node in program.nodes if node in needed]
-
-
 def _crossing(parts: list[list[Node]], fused: dict[Node, Node]) -> dict[Node, int]:
     """Scratch vectors for values that a later part reads."""
     home = {node: k for k, part in enumerate(parts) for node in part}
     crossing: dict[Node, int] = {}
     for k, part in enumerate(parts):
         for node in part:
-            for a in _arguments(node, fused):
+            for a in arguments(node, fused):
                 if home[a] != k and a.op != "input":
                     crossing.setdefault(a, len(crossing))
     return crossing

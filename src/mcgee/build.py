@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from mcgee import quantities
+from mcgee.algorithms.frames import canonical
 from mcgee.algorithms.parameters import TEN, with_parameters
 from mcgee.algorithms.regroup import regrouped
 from mcgee.graph.node import Graph, Value
@@ -104,7 +105,8 @@ def _traced(
     inputs = tuple(Array(name, (width(mechanism, name),)) for name in takes.inputs)
     nodes = [graph.inputs(array.name, array.size) for array in inputs]
     model = with_parameters(mechanism, nodes.pop()) if parametric else mechanism
-    model = regrouped(model) if regroup else model
+    if regroup:
+        model = regrouped(model if parametric else canonical(model))
     result = getattr(quantities, quantity)(model, *nodes, *options)
     sizes = {"n": mechanism.n, "links": len(mechanism.masses)}
     sizes["parameters"] = width(mechanism, "parameters")

@@ -283,8 +283,8 @@ class JointTransform:
 
     def inertia(self, body: Inertia) -> Inertia:
         """Xᵀ I X: a rigid body of the child, seen in the parent's frame."""
-        slid = _shifted(body, self._slid())
-        return _shifted(Inertia(slid.m, self.up(slid.h), self.up_symmetric(slid.I)), self.r)
+        slid = shifted(body, self._slid())
+        return shifted(Inertia(slid.m, self.up(slid.h), self.up_symmetric(slid.I)), self.r)
 
     def articulated(self, body: ArticulatedInertia) -> ArticulatedInertia:
         """Xᵀ I X for an articulated body."""
@@ -295,7 +295,7 @@ class JointTransform:
         return _shifted_articulated(turned, self.r)
 
 
-def _shifted(body: Inertia, r: Vector) -> Inertia:
+def shifted(body: Inertia, r: Vector) -> Inertia:
     """The same body about an origin from which the old one is at r."""
     a, b, old = body.h, body.h + r * body.m, body.I
     x, y, z = (r_i * (a_i + b_i) for r_i, a_i, b_i in zip(r, a, b, strict=True))

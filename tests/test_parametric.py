@@ -117,7 +117,8 @@ def test_regrouping_at_run_time_only_where_it_pays():
     taken = set()
     for name in ("mass_matrix", "inverse_dynamics"):
         counts = [
-            build._traced(m, name, (), True, regroup).arithmetic() for regroup in (False, True)
+            build._traced(m, name, name, (), True, regroup).arithmetic()
+            for regroup in (False, True)
         ]
         assert build.trace(m, name, parametric=True).arithmetic() == min(counts)
         taken.add(counts.index(min(counts)))

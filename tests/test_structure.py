@@ -22,7 +22,8 @@ MAY_IMPORT = {
     "graph": [],
     "build": ["algorithms", "graph", "mechanism", "quantities"],
     "jit": ["graph"],
-    "kernels": ["build", "jit", "mechanism"],
+    "threads": [],
+    "kernels": ["build", "jit", "threads", "mechanism"],
     "parametric": ["build", "kernels", "mechanism", "robot"],
     "robot": [  # explain and parametric when asked
         *("algorithms", "build", "explain", "kernels", "mechanism", "model", "parametric"),

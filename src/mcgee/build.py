@@ -10,6 +10,7 @@ from mcgee import quantities
 from mcgee.algorithms.frames import canonical
 from mcgee.algorithms.parameters import TEN, with_parameters
 from mcgee.algorithms.regroup import regrouped
+from mcgee.graph.differentiate import jacobian
 from mcgee.graph.node import Graph, Value
 from mcgee.graph.program import Array, Program
 from mcgee.mechanism import Mechanism
@@ -84,22 +85,51 @@ def width(mechanism: Mechanism, name: str) -> int:
     return TEN * len(mechanism.bodies) if name == "parameters" else mechanism.n
 
 
+ALTERNATIVES = {"forward_dynamics": ("forward_dynamics_by_elimination",)}
+"""Other ways to the same quantity, which may take fewer operations where joints are few."""
+
+SHORT, FEW = 40, 8
+"""Joints up to which ways of higher order are tried: elimination, and derivatives of the graph."""
+
+
 def trace(mechanism: Mechanism, quantity: str, *options: Any, parametric: bool = False) -> Program:
-    """Run the quantity's algorithm on graph nodes.
+    """Run the quantity's algorithm on graph nodes; of several ways, that with fewest operations.
 
     Regrouping known inertias costs nothing. Inertias that are inputs are regrouped where that
     saves more operations than it takes.
     """
+    ways = (quantity, *ALTERNATIVES.get(quantity, ())) if mechanism.n <= SHORT else (quantity,)
+    regroup = (False, True) if parametric else (True,)
+    if signature(quantity).energy:
+        regroup = (False,)
     with _collection_paused():
-        if signature(quantity).energy or not parametric:
-            regroup = not signature(quantity).energy
-            return _traced(mechanism, quantity, options, parametric, regroup)
-        both = [_traced(mechanism, quantity, options, True, regroup) for regroup in (False, True)]
-        return min(both, key=Program.arithmetic)
+        programs = [
+            _traced(mechanism, quantity, way, options, parametric, yes)
+            for way in ways
+            for yes in regroup
+        ]
+        if quantity == "inverse_dynamics_derivatives" and mechanism.n <= FEW:
+            tau = trace(mechanism, "inverse_dynamics", parametric=parametric)
+            programs.append(_differentiated(tau, programs[0].outputs))
+    return min(programs, key=Program.arithmetic)
+
+
+def _differentiated(tau: Program, outputs: tuple[Array, ...]) -> Program:
+    """Inverse dynamics' derivatives on its graph, M symmetric to the last bit."""
+    roots = jacobian(tau, ("q", "qd", "qdd"), reverse=False).roots
+    n, size = outputs[0].shape[0], outputs[0].size
+    M = [roots[2 * size + max(i, j) * n + min(i, j)] for i in range(n) for j in range(n)]
+    name = "inverse_dynamics_derivatives"
+    return Program(name, tau.inputs, outputs, (*roots[: 2 * size], *M))
 
 
 def _traced(
-    mechanism: Mechanism, quantity: str, options: tuple, parametric: bool, regroup: bool
+    mechanism: Mechanism,
+    quantity: str,
+    way: str,
+    options: tuple,
+    parametric: bool,
+    regroup: bool,
 ) -> Program:
     takes, graph = signature(quantity, parametric), Graph()
     inputs = tuple(Array(name, (width(mechanism, name),)) for name in takes.inputs)
@@ -107,7 +137,7 @@ def _traced(
     model = with_parameters(mechanism, nodes.pop()) if parametric else mechanism
     if regroup:
         model = regrouped(model if parametric else canonical(model))
-    result = getattr(quantities, quantity)(model, *nodes, *options)
+    result = getattr(quantities, way)(model, *nodes, *options)
     sizes = {"n": mechanism.n, "links": len(mechanism.masses)}
     sizes["parameters"] = width(mechanism, "parameters")
     outputs = tuple(

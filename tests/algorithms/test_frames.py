@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from robots import loaded, random_tree
 
 import mcgee
 from mcgee import quantities
 from mcgee.algorithms.frames import canonical
 from mcgee.mechanism import GROUND, Mechanism
+from robots import loaded, random_tree
 
 
 def lengths(m: Mechanism) -> list[tuple[float, ...]]:

@@ -11,12 +11,11 @@ Source: Echeandia & Wensing 2021, algorithms 1 and 2, with B reduced to these tw
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from mcgee.algorithms.motion import velocities
-from mcgee.algorithms.rnea import backward
+from mcgee.algorithms.motion import angular_velocities, mixed, velocities
+from mcgee.algorithms.rnea import efforts
 from mcgee.algorithms.spatial import (
-    REST,
     ZERO,
     Force,
     Inertia,
@@ -24,6 +23,8 @@ from mcgee.algorithms.spatial import (
     Matrix,
     Motion,
     Vector,
+    Z,
+    half,
     skew,
 )
 from mcgee.algorithms.tree import axes, inertias, transforms
@@ -91,17 +92,20 @@ def coriolis_matrix(
 def coriolis_product(
     mechanism: Mechanism, q: Sequence[Scalar], qd: Sequence[Scalar], v: Sequence[Scalar]
 ) -> list[Scalar]:
-    """C(q, qd) v in O(n), the Newton-Euler recursion with two velocities."""
-    X, S, I = transforms(mechanism, q), axes(mechanism), inertias(mechanism)
-    own, other = velocities(mechanism, X, qd), velocities(mechanism, X, v)
-    a: list[Motion] = []
-    f: list[Force] = []
-    for i, body in enumerate(mechanism.bodies):
-        a.append(
-            X[i].motion(a[body.parent] if body.parent >= 0 else REST) + own[i].cross(S[i] * v[i])
-        )
-        f.append(I[i] @ a[i] + VelocityMatrix.of(I[i], own[i]) @ other[i])
-    return backward(mechanism, X, f, [0] * len(f))
+    """C(q, qd) v in O(n).
+
+    The symbols are symmetric, so this is the symmetric bilinear form whose square is C(q, qd) qd:
+    the Newton-Euler recursion, each product of two velocities made one of qd and v, both ways.
+    """
+    X = transforms(mechanism, q)
+    own, other = angular_velocities(mechanism, X, qd), angular_velocities(mechanism, X, v)
+    ww = [mixed(a, b) for a, b in zip(own, other, strict=True)]
+    drag = [
+        a.cross(Z * v_i) + b.cross(Z * qd_i)
+        for a, b, qd_i, v_i in zip(own, other, qd, v, strict=True)
+    ]
+    weightless = replace(mechanism, gravity=(0, 0, 0))
+    return [half(tau) for tau in efforts(weightless, X, ww, drag, [0] * len(X))]
 
 
 def christoffel(mechanism: Mechanism, q: Sequence[Scalar]) -> list[list[list[Scalar]]]:

@@ -1,9 +1,22 @@
-"""The recursive Newton-Euler algorithm: joint efforts from accelerations."""
+"""The recursive Newton-Euler algorithm: joint efforts from accelerations.
+
+In classical accelerations, as first published, rather than spatial ones: no linear velocity is
+ever needed, and a quarter of the operations falls away.
+"""
 
 from collections.abc import Sequence
 
-from mcgee.algorithms.motion import accelerations, velocities
-from mcgee.algorithms.spatial import ZERO, Force, JointTransform, Motion, Vector
+from mcgee.algorithms.motion import angular_velocities, square, turning
+from mcgee.algorithms.spatial import (
+    ZERO,
+    Force,
+    Inertia,
+    JointTransform,
+    Matrix,
+    Symmetric,
+    Vector,
+    Z,
+)
 from mcgee.algorithms.tree import axes, inertias, transforms
 from mcgee.mechanism import Mechanism
 from mcgee.scalar import Scalar
@@ -14,13 +27,51 @@ def rnea(
 ) -> list[Scalar]:
     """tau = M qdd + C qd + g.
 
-    Source: Luh, Walker & Paul 1980; Featherstone 2008, table 5.1.
+    Source: Luh, Walker & Paul 1980; Khalil & Kleinfinger 1987 for U.
     """
-    X, I = transforms(mechanism, q), inertias(mechanism)
-    v = velocities(mechanism, X, qd)
-    a = accelerations(mechanism, X, v, qd, qdd, Motion(ZERO, -Vector(*mechanism.gravity)))
-    f = [I_i @ a_i + v_i.cross_force(I_i @ v_i) for I_i, v_i, a_i in zip(I, v, a, strict=True)]
+    X = transforms(mechanism, q)
+    w = angular_velocities(mechanism, X, qd)
+    drag = [w_i.cross(Z * qd_i) for w_i, qd_i in zip(w, qd, strict=True)]
+    return efforts(mechanism, X, [square(w_i) for w_i in w], drag, qdd)
+
+
+def efforts(
+    mechanism: Mechanism,
+    X: Sequence[JointTransform],
+    ww: Sequence[Symmetric],
+    drag: Sequence[Vector],
+    qdd: Sequence[Scalar],
+) -> list[Scalar]:
+    """The recursion, linear in w wᵀ of each body, in w × z qd of each joint, and in qdd."""
+    dw: list[Vector] = []
+    a: list[Vector] = []  # of the bodies' origins, gravity counted as an acceleration of the base
+    U: list[Matrix] = []
+    f: list[Force] = []
+    for i, (body, I) in enumerate(zip(mechanism.bodies, inertias(mechanism), strict=True)):
+        if body.parent >= 0:
+            p = body.parent
+            dw_i, a_i = X[i].down(dw[p]), X[i].down(a[p] + U[p] @ X[i].r)
+        else:
+            dw_i, a_i = ZERO, X[i].down(-Vector(*mechanism.gravity))
+        dw_i = dw_i if body.prismatic else dw_i + Z * qdd[i] + drag[i]
+        U_i = turning(ww[i], dw_i)
+        if body.prismatic:
+            a_i = a_i + U_i @ (Z * X[i].d) + drag[i] * 2 + Z * qdd[i]
+        dw.append(dw_i)
+        a.append(a_i)
+        U.append(U_i)
+        f.append(Force(_moment(I, ww[i], dw_i, U_i) + I.h.cross(a_i), a_i * I.m + U_i @ I.h))
     return backward(mechanism, X, f, qdd)
+
+
+def _moment(body: Inertia, ww: Symmetric, dw: Vector, U: Matrix) -> Vector:
+    """I dw + w × I w, from entries that U already holds."""
+    I = body.I
+    return Vector(
+        I.xx * dw.x + (I.zz - I.yy) * ww.yz + I.yz * (ww.yy - ww.zz) - I.xy * U.z.x + I.xz * U.y.x,
+        I.yy * dw.y + (I.xx - I.zz) * ww.xz + I.xz * (ww.zz - ww.xx) - I.yz * U.x.y + I.xy * U.z.y,
+        I.zz * dw.z + (I.yy - I.xx) * ww.xy + I.xy * (ww.xx - ww.yy) - I.xz * U.y.z + I.yz * U.x.z,
+    )
 
 
 def backward(

@@ -168,6 +168,11 @@ class Force:
         return Force(self.n * k, self.f * k)
 
 
+def half(x: Scalar) -> Scalar:
+    """x / 2; a structural zero stays an integer."""
+    return 0 if isinstance(x, int) else x / 2
+
+
 REST = Motion(ZERO, ZERO)
 TURN = Motion(Z, ZERO)  # S of a revolute joint: about its own z
 SLIDE = Motion(ZERO, Z)  # S of a prismatic joint: along its own z
@@ -189,9 +194,8 @@ class Inertia:
 
     def second_moment(self) -> Matrix:
         """∫ c cᵀ dm = ½ tr(I) 1 − I."""
-        trace, i = self.I.trace(), self.I
-        half = 0 if isinstance(trace, int) else trace / 2  # int: structural zeros, and 0 / 2 is 0.0
-        return Symmetric(half - i.xx, -i.xy, -i.xz, half - i.yy, -i.yz, half - i.zz).matrix()
+        i, mean = self.I, half(self.I.trace())
+        return Symmetric(mean - i.xx, -i.xy, -i.xz, mean - i.yy, -i.yz, mean - i.zz).matrix()
 
 
 @dataclass(frozen=True, slots=True)

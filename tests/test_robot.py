@@ -415,7 +415,7 @@ def test_first_use_from_many_threads(monkeypatch):
     robot, compiled = random_tree(17, bodies=6), []
     q, qd, _ = random_state(robot, np.random.default_rng(4), 50)
     start, compile_ = threading.Barrier(8), kernels.gufunc
-    monkeypatch.setattr(kernels, "gufunc", lambda program: compiled.append(1) or compile_(program))
+    monkeypatch.setattr(kernels, "gufunc", lambda p, **o: compiled.append(1) or compile_(p, **o))
 
     def work(_):
         start.wait()

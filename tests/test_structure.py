@@ -23,7 +23,7 @@ MAY_IMPORT = {
     "build": ["algorithms", "graph", "mechanism", "quantities"],
     "jit": ["graph"],
     "threads": [],
-    "kernels": ["build", "jit", "threads", "mechanism"],
+    "kernels": ["build", "graph", "jit", "threads", "mechanism"],
     "parametric": ["build", "kernels", "mechanism", "robot"],
     "robot": [  # explain and parametric when asked
         *("algorithms", "build", "explain", "kernels", "mechanism", "model", "parametric"),

@@ -5,6 +5,7 @@ from mcgee.errors import ModelError, ModelWarning
 from mcgee.formats.dh import from_dh
 from mcgee.formats.load import load
 from mcgee.robot import ForwardDerivatives, InverseDerivatives, Limits, Robot, Terms
+from mcgee.threads import num_threads, set_num_threads
 
 __version__ = "0.1.0"
 
@@ -20,4 +21,6 @@ __all__ = [
     "audit",
     "from_dh",
     "load",
+    "num_threads",
+    "set_num_threads",
 ]

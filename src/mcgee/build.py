@@ -131,20 +131,29 @@ def _traced(
     parametric: bool,
     regroup: bool,
 ) -> Program:
-    takes, graph = signature(quantity, parametric), Graph()
-    inputs = tuple(Array(name, (width(mechanism, name),)) for name in takes.inputs)
+    graph = Graph()
+    inputs, outputs = arrays(mechanism, quantity, parametric)
     nodes = [graph.inputs(array.name, array.size) for array in inputs]
     model = with_parameters(mechanism, nodes.pop()) if parametric else mechanism
     if regroup:
         model = regrouped(model if parametric else canonical(model))
     result = getattr(quantities, way)(model, *nodes, *options)
+    return Program(quantity, inputs, outputs, tuple(_flat(result)))
+
+
+def arrays(
+    mechanism: Mechanism, quantity: str, parametric: bool = False
+) -> tuple[tuple[Array, ...], tuple[Array, ...]]:
+    """What the quantity takes and gives, for one state."""
+    takes = signature(quantity, parametric)
+    inputs = tuple(Array(name, (width(mechanism, name),)) for name in takes.inputs)
     sizes = {"n": mechanism.n, "links": len(mechanism.masses)}
     sizes["parameters"] = width(mechanism, "parameters")
     outputs = tuple(
         Array(name, tuple(sizes[size] if isinstance(size, str) else size for size in shape))
         for name, shape in takes.outputs
     )
-    return Program(quantity, inputs, outputs, tuple(_flat(result)))
+    return inputs, outputs
 
 
 def operation_counts(

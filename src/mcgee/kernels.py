@@ -5,13 +5,16 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Callable
-from functools import cached_property, update_wrapper
+from functools import update_wrapper
 from types import MethodType
 from typing import Any, ClassVar, Protocol, TypeVar, cast
 
 import numpy as np
 
-from mcgee import build
+from mcgee import build, threads
+from mcgee.graph.program import Program
+from mcgee.jit.compile import compiled_row
+from mcgee.jit.door import door_type, hang, is_open, open_
 from mcgee.jit.ufunc import gufunc
 from mcgee.mechanism import Mechanism
 
@@ -46,8 +49,8 @@ class Quantity:
     Looking it up puts a `Bound` into the robot itself, which compiles at its first call.
     """
 
-    def __init__(self, stub: Callable):
-        self.stub = stub
+    def __init__(self, stub: Callable, gives: type[tuple]):
+        self.stub, self.gives = stub, gives
         update_wrapper(self, stub)
 
     def __set_name__(self, owner: type, name: str) -> None:
@@ -56,41 +59,88 @@ class Quantity:
     def __get__(self, robot: Robot | None, owner: type) -> Callable:
         if robot is None:
             return self
-        bound = robot.__dict__[self.name] = Bound(robot, self.name, stub=self.stub)
-        return bound
+        made = robot.__dict__[self.name] = _made(robot, self.name, stub=self.stub, gives=self.gives)
+        return made
 
     def __call__(self, robot: Robot, *args: Any, **kwargs: Any) -> Any:
         return getattr(robot, self.name)(*args, **kwargs)
 
 
 def quantity(stub: F) -> F:
-    return cast(F, Quantity(stub))
+    return cast(F, Quantity(stub, tuple))
+
+
+class quantities:  # noqa: N801
+    """As `quantity`, for several results in a named tuple."""
+
+    def __init__(self, gives: type[tuple]):
+        self.gives = gives
+
+    def __call__(self, stub: F) -> F:
+        return cast(F, Quantity(stub, self.gives))
 
 
 class Bound:
-    """A quantity of a robot as a function of arrays, with one clear sentence for bad ones."""
+    """A quantity of a robot as a function of arrays, with one clear sentence for bad ones.
 
-    def __init__(self, robot: Robot, name: str, *options: str, stub: Callable | None = None):
-        self.robot, self.options = robot, options
+    Instances that `bound` makes are of a compiled subtype where this Python has one, and answer a
+    plain single call without coming here. The rest is `general`.
+    """
+
+    __slots__ = (
+        *("__name__", "__weakref__", "__wrapped__", "_description", "_plan"),
+        *("gives", "inputs", "options", "robot"),
+    )
+
+    def __init__(
+        self,
+        robot: Robot,
+        name: str,
+        *options: str,
+        stub: Callable | None = None,
+        gives: type[tuple] = tuple,
+    ):
+        self.robot, self.options, self.gives = robot, options, gives
         self.inputs = build.signature(name, robot.parametric).inputs
         self.__name__ = name
+        self._description = None if stub is None else stub.__doc__
         if stub is not None:
-            self.__doc__, self.__wrapped__ = stub.__doc__, MethodType(stub, robot)
+            self.__wrapped__ = MethodType(stub, robot)
 
-    @cached_property
+    def __getattribute__(self, name: str) -> Any:
+        return super().__getattribute__("_description" if name == "__doc__" else name)
+
+    @property
     def ufunc(self) -> np.ufunc:
         """The NumPy gufunc behind it."""
-        return compiled(self.robot, self.__name__, *self.options)
+        return compiled(self.robot, self.__name__, *self.options)[0]
 
     def __call__(self, *args: Any, **kwargs: Any) -> Any:
-        ufunc = self.ufunc
+        return self.general(*args, **kwargs)
+
+    def general(self, *args: Any, **kwargs: Any) -> Any:
+        """What any arguments give, by way of NumPy."""
+        if not kwargs and self._opens_for(args):
+            return self(*args)
+        kernel = compiled(self.robot, self.__name__, *self.options, single=_asks_single(kwargs))
         try:
-            return ufunc(*args, **kwargs)
+            result = threads.run(*kernel, args, kwargs)
+            return self.gives(*result) if self.gives is not tuple else result
         except (TypeError, ValueError) as error:
             refusal = error
         if kwargs.keys() & set(self.inputs):
             return self(*_positional(self.__name__, self.inputs, args, kwargs), **kwargs)
         raise _explained(self.robot, self.__name__, self.inputs, args, refusal)
+
+    def _opens_for(self, args: tuple) -> bool:
+        """Compile for single rows if these are the first."""
+        if type(self) is Bound or is_open(self) or len(args) != len(self.inputs):
+            return False
+        if not all(type(a) is np.ndarray and a.ndim == 1 and a.dtype == float for a in args):
+            return False
+        with _lock:
+            open_(self, compiled_row(_traced(self.robot, self.__name__, *self.options)))
+        return True
 
     def __repr__(self) -> str:
         takes = ", ".join(self.inputs)
@@ -98,8 +148,16 @@ class Bound:
 
     def __reduce__(self) -> tuple:
         if self.options:
-            return Bound, (self.robot, self.__name__, *self.options)
+            return bound, (self.robot, self.__name__, *self.options)
         return getattr, (self.robot, self.__name__)
+
+
+def _made(robot: Robot, name: str, *options: str, **details: Any) -> Bound:
+    made = door_type(Bound)(robot, name, *options, **details)
+    if type(made) is not Bound:
+        inputs, outputs = build.arrays(robot.mechanism, name, robot.parametric)
+        made._plan = hang(made, [array.size for array in inputs], outputs, made.gives)
+    return made
 
 
 def bound(robot: Robot, name: str, *options: str) -> Bound:
@@ -107,22 +165,36 @@ def bound(robot: Robot, name: str, *options: str) -> Bound:
     known = robot.__dict__.setdefault("_calls", {})
     call = known.get((name, options))
     if call is None:
-        call = known[name, options] = Bound(robot, name, *options)
+        call = known[name, options] = _made(robot, name, *options)
     return call
 
 
-def compiled(robot: Robot, name: str, *options: str) -> np.ufunc:
-    """The gufunc of a quantity of this robot, compiled at most once."""
+def compiled(robot: Robot, name: str, *options: str, single: bool = False) -> tuple[np.ufunc, int]:
+    """The gufunc of a robot's quantity, compiled at most once, and the operations of a row."""
     with _lock:
         known = robot.__dict__.setdefault("_ufuncs", {})
-        if (name, options) not in known:
-            refuse_symbols(robot, "kernels")
-            try:
-                program = build.trace(robot.mechanism, name, *options, parametric=robot.parametric)
-            except ZeroDivisionError:
-                raise ValueError(_singular(robot, name)) from None
-            known[name, options] = gufunc(program)
-        return known[name, options]
+        key = (name, options, single)
+        if key not in known:
+            program = _traced(robot, name, *options)
+            known[key] = gufunc(program, single=single), len(program.nodes)
+        return known[key]
+
+
+def _traced(robot: Robot, name: str, *options: str) -> Program:
+    refuse_symbols(robot, "kernels")
+    try:
+        return build.trace(robot.mechanism, name, *options, parametric=robot.parametric)
+    except ZeroDivisionError:
+        raise ValueError(_singular(robot, name)) from None
+
+
+def _asks_single(kwargs: dict[str, Any]) -> bool:
+    """Whether results of float32 are wanted."""
+    wanted = kwargs.get("dtype")
+    try:
+        return wanted is not None and np.dtype(wanted) == np.float32
+    except TypeError:
+        return False
 
 
 def refuse_symbols(robot: Robot, what: str) -> None:

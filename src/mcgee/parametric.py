@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from mcgee.build import operation_counts
-from mcgee.kernels import bound, quantity, refuse_symbols
+from mcgee.kernels import quantities, quantity, refuse_symbols
 from mcgee.mechanism import Mechanism
 from mcgee.robot import ForwardDerivatives, InverseDerivatives, Robot, Terms
 
@@ -182,6 +182,7 @@ class Parametric:
         Returns: (...), as Robot.potential_energy
         """
 
+    @quantities(Terms)
     def terms(self, q: Any, qd: Any, parameters: Any, **ufunc: Any) -> Terms:
         """M(q), C(q, qd) qd and g(q) from one kernel.
 
@@ -189,9 +190,8 @@ class Parametric:
             q, qd: (..., n); parameters: (..., 10 bodies)
         Returns: a named tuple (M, Cqd, g) of (..., n, n), (..., n), (..., n), as Robot.terms
         """
-        call = bound(self, "terms")
-        return Terms(*call(q, qd, parameters, **ufunc))
 
+    @quantities(InverseDerivatives)
     def inverse_dynamics_derivatives(
         self, q: Any, qd: Any, qdd: Any, parameters: Any, **ufunc: Any
     ) -> InverseDerivatives:
@@ -202,9 +202,8 @@ class Parametric:
         Returns: a named tuple (dtau_dq, dtau_dqd, M) of (..., n, n) each, as
             Robot.inverse_dynamics_derivatives
         """
-        call = bound(self, "inverse_dynamics_derivatives")
-        return InverseDerivatives(*call(q, qd, qdd, parameters, **ufunc))
 
+    @quantities(ForwardDerivatives)
     def forward_dynamics_derivatives(
         self, q: Any, qd: Any, tau: Any, parameters: Any, **ufunc: Any
     ) -> ForwardDerivatives:
@@ -215,5 +214,3 @@ class Parametric:
         Returns: a named tuple (dqdd_dq, dqdd_dqd, Minv) of (..., n, n) each, as
             Robot.forward_dynamics_derivatives
         """
-        call = bound(self, "forward_dynamics_derivatives")
-        return ForwardDerivatives(*call(q, qd, tau, parameters, **ufunc))

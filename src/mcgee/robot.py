@@ -20,7 +20,7 @@ import numpy as np
 from mcgee import validate
 from mcgee.algorithms.parameters import inertial_parameters
 from mcgee.build import operation_counts
-from mcgee.kernels import bound, quantity, refuse_symbols
+from mcgee.kernels import bound, quantities, quantity, refuse_symbols
 from mcgee.mechanism import GROUND, Mechanism, depth_first, reduce, root_of
 from mcgee.model import Frame, Joint, Link, Vec3, is_number, map_numbers
 from mcgee.scalar import Scalar, plain
@@ -384,9 +384,11 @@ class Robot:
             q, qd: joint positions and velocities (..., n); tau: efforts (..., n) [N·m | N]
         Returns: (..., n) [rad/s² | m/s²]
         Equals: mass_matrix_inverse(q) @ (tau − coriolis(q, qd) − gravity(q))
-        Source: Featherstone 1983 and 2008, table 7.1. Cost: O(n); with mimic joints O(n³)
+        Source: Featherstone 1983 and 2008, table 7.1, cost O(n); or LᵀDL factors of M where that
+            takes fewer operations, as it does for most arms, and with mimic joints
         """
 
+    @quantities(InverseDerivatives)
     def inverse_dynamics_derivatives(
         self, q: Any, qd: Any, qdd: Any, **ufunc: Any
     ) -> InverseDerivatives:
@@ -398,11 +400,11 @@ class Robot:
             [N·m/rad, N·m·s/rad, kg·m², and so on]
         Raises: ValueError: a last dimension is not n
         Equals: dtau_dqd = 2 coriolis_matrix(q, qd); M = mass_matrix(q)
-        Source: Singh, Russell & Wensing 2022. Cost: O(n²); 1,552 additions and multiplications for
-            a UR5, where differentiating the graph of tau leaves 1,747
+        Source: Singh, Russell & Wensing 2022, cost O(n²); or the chain rule on the graph of tau
+            where that leaves fewer operations, as it does for a UR5 and not for a Panda
         """
-        return InverseDerivatives(*bound(self, "inverse_dynamics_derivatives")(q, qd, qdd, **ufunc))
 
+    @quantities(ForwardDerivatives)
     def forward_dynamics_derivatives(
         self, q: Any, qd: Any, tau: Any, **ufunc: Any
     ) -> ForwardDerivatives:
@@ -417,7 +419,6 @@ class Robot:
         Source: Carpentier & Mansard 2018; Singh, Russell & Wensing 2022. Cost: O(n³) by its
             products with M⁻¹
         """
-        return ForwardDerivatives(*bound(self, "forward_dynamics_derivatives")(q, qd, tau, **ufunc))
 
     @quantity
     def regressor(self, q: Any, qd: Any, qdd: Any, **ufunc: Any) -> np.ndarray:
@@ -488,6 +489,7 @@ class Robot:
         Returns: (...) [J], zero at the height of the root frame's origin
         """
 
+    @quantities(Terms)
     def terms(self, q: Any, qd: Any, **ufunc: Any) -> Terms:
         """M(q), C(q, qd) qd and g(q) from one kernel.
 
@@ -495,7 +497,6 @@ class Robot:
             q, qd: joint positions and velocities (..., n)
         Returns: a named tuple (M, Cqd, g) of (..., n, n), (..., n), (..., n)
         """
-        return Terms(*bound(self, "terms")(q, qd, **ufunc))
 
     def forward_kinematics(self, q: Any, frame: str | None = None, **ufunc: Any) -> np.ndarray:
         """The pose of a frame in the root frame.

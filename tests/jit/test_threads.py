@@ -50,9 +50,9 @@ def test_a_robot_compiles_a_quantity_once_for_all_threads(monkeypatch):
     made = []
     make = kernels.gufunc
 
-    def counted(program):
+    def counted(program, **options):
         made.append(program.name)
-        return make(program)
+        return make(program, **options)
 
     monkeypatch.setattr(kernels, "gufunc", counted)
     arm = arms.planar_2r()

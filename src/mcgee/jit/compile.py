@@ -8,7 +8,9 @@ import hashlib
 import os
 import sys
 import threading
+from collections.abc import Mapping
 from functools import cache as remembered
+from types import MappingProxyType
 from typing import Any
 
 from mcgee.graph.program import Program
@@ -16,6 +18,7 @@ from mcgee.jit import cache
 from mcgee.jit.kernel import kernel_ir
 from mcgee.jit.loop import loop_ir
 from mcgee.jit.sincos import sincos_ir
+from mcgee.jit.single import single_ir
 from mcgee.jit.target import Target, host
 
 SETTINGS = {"opt": 2, "reloc": "pic", "codemodel": "small", "jit": True}
@@ -29,6 +32,8 @@ PYTHON_FUNCTIONS = (
     "PyGILState_Release",
 )
 
+NO_SYMBOLS: Mapping[str, int] = MappingProxyType({})
+
 _lock = threading.Lock()
 if hasattr(os, "register_at_fork"):  # a child must not inherit a lock that nobody will release
     os.register_at_fork(
@@ -39,10 +44,25 @@ _linked_here: dict[str, int] = {}
 
 
 def compiled(program: Program, *, single: bool = False) -> int:
-    """The address of the program's gufunc loop, from the cache where it holds one."""
+    """The address of the program's gufunc loop, of float64 or of float32."""
     target = host().single if single else host()
     kernel = kernel_ir(program, target)
     text = sincos_ir(target) + kernel.text + loop_ir(program, kernel, target)
+    return address("loop", text)
+
+
+def compiled_row(program: Program) -> int:
+    """The address of the function that computes one row, see `single_ir`."""
+    return address("single", single_ir(program, host()))
+
+
+def address(entry: str, text: str, symbols: Mapping[str, int] = NO_SYMBOLS) -> int:
+    """Where a function is, from the cache where it holds it.
+
+    Args:
+        symbols: addresses of this process that the text names, besides those of `_symbols`
+    """
+    target = host()
     key = _key(text, target)
     with _lock:
         if key not in _linked_here:
@@ -50,7 +70,7 @@ def compiled(program: Program, *, single: bool = False) -> int:
             if code is None:
                 code = _object(text, target)
                 cache.write(key, code)
-            _linked_here[key] = _link(code, key)
+            _linked_here[key] = _link(code, key, entry, symbols)
         return _linked_here[key]
 
 
@@ -82,18 +102,18 @@ def _object(text: str, target: Target) -> bytes:
     return machine.emit_object(module)
 
 
-def _link(code: bytes, key: str) -> int:
+def _link(code: bytes, key: str, entry: str, symbols: Mapping[str, int]) -> int:
     import llvmlite.binding as llvm
 
     target = host()
     # on Arm the older linker may map sections too far apart for their relocations
     linker = llvm.create_lljit_compiler(_machine(target), use_jit_link=True)
-    library = llvm.JITLibraryBuilder().add_object_img(code).export_symbol("loop")
-    for name, address in _symbols().items():
-        library = library.import_symbol(name, address)
+    library = llvm.JITLibraryBuilder().add_object_img(code).export_symbol(entry)
+    for name, place in {**_symbols(), **symbols}.items():
+        library = library.import_symbol(name, place)
     tracker = library.link(linker, key)
     _kept.append((linker, tracker))
-    return tracker["loop"]
+    return tracker[entry]
 
 
 @remembered

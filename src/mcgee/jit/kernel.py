@@ -7,7 +7,9 @@ part needs passes through `work`.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from types import MappingProxyType
 
 from mcgee.graph.node import Node, Value
 from mcgee.graph.program import Program, arguments, fusions, live
@@ -16,6 +18,8 @@ from mcgee.jit.target import Target
 
 PART = 800
 """Operations a function: code generators take more than linear time in its length."""
+
+NOTHING: Mapping[Node, tuple[int, int]] = MappingProxyType({})
 
 PARAMETERS = "ptr noalias %in, ptr noalias %out, ptr noalias %work"
 
@@ -33,7 +37,12 @@ class Kernel:
     """Vectors in the output tile."""
 
 
-def kernel_ir(program: Program, target: Target) -> Kernel:
+def kernel_ir(
+    program: Program, target: Target, given: Mapping[Node, tuple[int, int]] = NOTHING
+) -> Kernel:
+    """Args:
+    given: the places in the input tile of cosine and sine, for angles that come with both
+    """
     places = _places(program)
     fused = fusions(program) if target.fma else {}
     order = live(program, fused)
@@ -43,7 +52,7 @@ def kernel_ir(program: Program, target: Target) -> Kernel:
     for array in program.inputs:
         offsets[array.name], start = start, start + array.size
     texts = [
-        _Part(Emitter(target), offsets, places, fused, crossing).text(f"part{k}", part)
+        _Part(Emitter(target), offsets, places, fused, crossing, given).text(f"part{k}", part)
         for k, part in enumerate(parts)
     ]
     calls = "\n".join(
@@ -103,6 +112,7 @@ class _Part:
     places: dict[Node, int]
     fused: dict[Node, Node]
     crossing: dict[Node, int]
+    given: Mapping[Node, tuple[int, int]]
     known: dict[Node, str] = field(default_factory=dict)
     angles: dict[Value, tuple[str, str]] = field(default_factory=dict)
 
@@ -129,6 +139,9 @@ class _Part:
         return self.known[a]
 
     def cos_sin(self, angle: Value) -> tuple[str, str]:
+        if isinstance(angle, Node) and angle in self.given:
+            cosine, sine = (self.e.load("%in", place) for place in self.given[angle])
+            self.angles[angle] = cosine, sine
         if angle not in self.angles:
             v, x = self.e.vector, self.value(angle)
             both = self.e.let(f"call {{ {v}, {v} }} @cos_sin({v} {x})")

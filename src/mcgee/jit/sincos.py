@@ -43,11 +43,11 @@ COS = (
 )
 
 
-def sincos_ir(target: Target) -> str:
+def sincos_ir(target: Target, name: str = "cos_sin") -> str:
     """Text of `@cos_sin`, from a vector x to the pair of vectors (cos x, sin x)."""
     if target.bits == 32:
         wide = replace(target, bits=64)
-        return sincos_ir(wide).replace("@cos_sin(", "@wide_cos_sin(") + _NARROW.format(
+        return sincos_ir(wide, "wide_cos_sin") + _NARROW.format(
             v=target.vector, wide=wide.vector, suffix=Emitter(target).suffix
         )
     e = Emitter(target)
@@ -57,7 +57,7 @@ def sincos_ir(target: Target) -> str:
     cosine, sine = _fast(e, near)
     some = e.let(f"icmp ne i{w} {e.let(f'bitcast <{w} x i1> {far} to i{w}')}, 0")
     fast = "\n".join(e.lines)
-    names = {"v": v, "w": w, "pair": f"{{ {v}, {v} }}", "suffix": e.suffix}
+    names = {"name": name, "v": v, "w": w, "pair": f"{{ {v}, {v} }}", "suffix": e.suffix}
     again = Emitter(target)
     is_far = _beyond_reach(again)
     search = "\n".join(again.lines)
@@ -82,7 +82,7 @@ declare double @sin(double)
 declare {v} @llvm.fabs.{suffix}({v})
 declare {v} @llvm.fma.{suffix}({v}, {v}, {v})
 
-define internal {pair} @cos_sin({v} %x) noinline nounwind {{
+define internal {pair} @{name}({v} %x) noinline nounwind {{
 {fast}
   br i1 {some}, label %slow, label %done
 slow:

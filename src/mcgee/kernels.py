@@ -122,6 +122,8 @@ class Bound:
         """What any arguments give, by way of NumPy."""
         if not kwargs and self._opens_for(args):
             return self(*args)
+        if isinstance(kwargs.get("out"), tuple):
+            kwargs["out"] = tuple(kwargs["out"])  # a named one, from an earlier call
         kernel = compiled(self.robot, self.__name__, *self.options, single=_asks_single(kwargs))
         try:
             result = threads.run(*kernel, args, kwargs)

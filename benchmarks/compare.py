@@ -1,0 +1,249 @@
+"""mcgee beside its peers in one run: `make bench`, or this file with --quick, --robots, --functions.
+
+Every round measures every library once on the same states, so that noise meets all alike; medians
+over rounds. A peer whose results are wrong is not timed. Writes RESULTS.md and results.json.
+"""
+
+from __future__ import annotations
+
+import argparse
+import datetime
+import importlib
+import importlib.metadata
+import json
+import platform
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+import warnings
+from pathlib import Path
+
+import numpy as np
+
+import mcgee
+from mcgee import build
+from mcgee.jit.target import host
+
+sys.path.insert(0, str(Path(__file__).parent))
+import peak
+import robots
+from peers import Absent
+
+HERE = Path(__file__).parent
+ROBOTS = ("planar_2r", "ur5", "panda", "talos")
+FUNCTIONS = (
+    *("inverse_dynamics", "mass_matrix", "forward_dynamics", "coriolis_matrix", "gravity"),
+    *("mass_matrix_inverse", "inverse_dynamics_derivatives", "forward_dynamics_derivatives"),
+    "regressor",
+)
+PEERS = ("pinocchio_cpp", "casadi_c", "pinocchio_python", "mujoco_python")
+SINCOS = 44
+"""Instructions of a sine and cosine of a vector."""
+TOLERANCE = 1e-7
+"""Of the largest result: peers take a file's rounded right angles as written."""
+COLUMNS_FIRST = ("mass_matrix", "coriolis_matrix", "inverse_dynamics_derivatives")
+"""Where Pinocchio's last matrix is stored so."""
+COMPILED = ("pinocchio_cpp", "casadi_c")
+GOALS = {"pinocchio_cpp": (25, 10), "casadi_c": (6, 3)}
+"""Times as many rows a second: for arms, for humanoids."""
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--robots", default=",".join(ROBOTS))
+    parser.add_argument("--functions", default=",".join(FUNCTIONS))
+    parser.add_argument("--peers", default=",".join(PEERS))
+    parser.add_argument("--batch", type=int, default=4096)
+    parser.add_argument("--rounds", type=int, default=15)
+    parser.add_argument("--chains", action="store_true", help="chains of 2 to 500 joints too")
+    parser.add_argument("--quick", action="store_true", help="3 rounds, nothing written")
+    options = parser.parse_args()
+    warnings.simplefilter("ignore", mcgee.ModelWarning)
+    mcgee.set_num_threads(1)
+    if options.quick:
+        options.rounds = 3
+    results = {"machine": machine(), "peak": peak.vectors_per_nanosecond(), "tables": {}}
+    with tempfile.TemporaryDirectory() as folder:
+        for name in filter(None, options.robots.split(",")):
+            table = measured(name, Path(folder), options, options.functions.split(","))
+            results["tables"][name] = table
+            print(as_text(name, table), flush=True)
+        for n in robots.CHAINS if options.chains else ():
+            some = ["inverse_dynamics", "forward_dynamics"]
+            table = measured(f"chain{n}", Path(folder), options, some)
+            results["tables"][f"chain{n}"] = table
+            print(as_text(f"chain{n}", table), flush=True)
+    if not options.quick:
+        (HERE / "results.json").write_text(json.dumps(results, indent=1) + "\n")
+        (HERE / "RESULTS.md").write_text(as_markdown(results))
+
+
+def machine() -> dict[str, str]:
+    model = platform.processor()
+    if Path("/proc/cpuinfo").exists():
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+        model = next((x.split(":")[1].strip() for x in lines if x.startswith("model name")), model)
+    found = {"processor": model, "lanes": str(host().lanes), "Python": platform.python_version()}
+    for package in ("numpy", "llvmlite", "pin", "casadi", "mujoco"):
+        try:
+            found[package] = importlib.metadata.version(package)
+        except importlib.metadata.PackageNotFoundError:
+            found[package] = "absent"
+    try:
+        from peers import compiler
+
+        said = subprocess.run([compiler.cpp(), "--version"], capture_output=True, text=True)
+        found["C++"] = said.stdout.splitlines()[0]
+    except Absent as absent:
+        found["C++"] = str(absent)
+    return found | {"date": datetime.date.today().isoformat()}
+
+
+def measured(name: str, folder: Path, options: argparse.Namespace, functions: list[str]) -> list:
+    file = robots.file(name, folder)
+    arm = mcgee.load(file, mimic=False)
+    peers = at_hand(options.peers.split(","), arm, file)
+    return [row(arm, function, peers, options) for function in functions]
+
+
+def at_hand(names: list[str], arm: mcgee.Robot, file: Path) -> dict[str, dict]:
+    found = {}
+    for name in filter(None, names):
+        try:
+            found[name] = importlib.import_module(f"peers.{name}").functions(arm, file)
+        except (ImportError, Absent, ValueError) as reason:
+            print(f"{name}: absent ({reason})")
+    return found
+
+
+def row(arm: mcgee.Robot, name: str, peers: dict, options: argparse.Namespace) -> dict:
+    random = np.random.default_rng(0)
+    shape = (options.batch, arm.n)
+    arrays = [random.normal(size=shape) for _ in build.SIGNATURES[name].inputs]
+    ours = getattr(arm, name)
+    start = time.perf_counter()
+    expected = flat(ours(*arrays))
+    first = time.perf_counter() - start
+    outputs = ours(*arrays)
+    timed = {"mcgee": lambda: ours(*arrays, out=outputs)}
+    single = [a[0].copy() for a in arrays]
+    rates = {"mcgee": options.batch}
+    wrong = {}
+    for peer, functions in peers.items():
+        if name not in functions:
+            continue
+        rows = options.batch if peer in COMPILED else min(options.batch, 512)
+        some = [np.ascontiguousarray(a[:rows]) for a in arrays]
+        error = apart(functions[name](*some, keep=True), expected[:rows], peer, name, arm.n)
+        if not error < TOLERANCE:
+            wrong[peer] = error
+            continue
+        timed[peer] = lambda f=functions[name], some=some: f(*some)
+        rates[peer] = rows
+    times = {peer: [] for peer in (*timed, "single")}
+    for _ in range(options.rounds):
+        for peer, call in timed.items():
+            times[peer].append(seconds(call) / rates[peer])
+        times["single"].append(seconds(lambda: [ours(*single) for _ in range(500)]) / 500)
+    return {
+        "function": name,
+        "ns": {peer: statistics.median(t) * 1e9 for peer, t in times.items()},
+        "wrong": wrong,
+        "counts": build.trace(arm.mechanism, name).operation_counts(),
+        "first call": first,
+    }
+
+
+def seconds(call) -> float:
+    """Of a call whose arrays an untimed one has just touched."""
+    call()
+    start = time.perf_counter()
+    call()
+    return time.perf_counter() - start
+
+
+def flat(result) -> np.ndarray:
+    parts = result if isinstance(result, tuple) else (result,)
+    return np.concatenate([p.reshape(len(p), -1) for p in parts], axis=1)
+
+
+def apart(got: np.ndarray, want: np.ndarray, peer: str, name: str, n: int) -> float:
+    """The largest difference over the largest element, of what both libraries define alike."""
+    got = np.array(got).reshape(len(got), -1)
+    if got.shape[1] == n:
+        pairs = [(got, want)]
+    elif name == "regressor":  # of a link's ten columns, the mass's: the rest is in frames of its own
+        stacks = [x.reshape(len(x), n, 10 * n) for x in (got, want)]
+        if peer == "pinocchio_cpp":
+            stacks[0] = np.swapaxes(got.reshape(len(got), 10 * n, n), 1, 2)
+        pairs = [tuple(stack[:, :, ::10] for stack in stacks)]
+    else:
+        stacks = [x.reshape(len(x), -1, n, n) for x in (got, want)]
+        pairs = [[stack[:, k] for stack in stacks] for k in range(stacks[0].shape[1])]
+        if peer == "pinocchio_cpp" and name in COLUMNS_FIRST:
+            pairs[-1][0] = np.swapaxes(pairs[-1][0], -1, -2)
+        if name != "coriolis_matrix":  # the last, M or its inverse, may have one half only
+            pairs[-1] = [np.triu(square) for square in pairs[-1]]
+    return max(float(np.abs(g - w).max() / np.abs(w).max()) for g, w in pairs)
+
+
+# -- tables ---------------------------------------------------------------------------------------
+
+
+def operations(line: dict) -> int:
+    return sum(line["counts"][k] for k in ("add", "mul", "div"))
+
+
+def ratio(line: dict, peer: str) -> str:
+    return f"{line['ns'][peer] / line['ns']['mcgee']:.1f}" if peer in line["ns"] else "–"
+
+
+def as_text(name: str, table: list[dict]) -> str:
+    lines = [f"\n{name:30}{'ops':>7}{'ns':>8}{'1 call':>8}{'C++':>8}{'CasADi':>8}{'×C++':>7}{'×CasADi':>8}"]
+    for line in table:
+        ns = line["ns"]
+        c, s = (f"{ns[p]:.0f}" if p in ns else "–" for p in COMPILED)
+        lines.append(
+            f"{line['function']:30}{operations(line):7}{ns['mcgee']:8.1f}{ns['single']:8.0f}{c:>8}{s:>8}"
+            f"{ratio(line, 'pinocchio_cpp'):>7}{ratio(line, 'casadi_c'):>8}"
+            + "".join(f"  {peer} WRONG {error:.1e}" for peer, error in line["wrong"].items())
+        )
+    return "\n".join(lines)
+
+
+def as_markdown(results: dict) -> str:
+    machine = results["machine"]
+    text = ["# Results", ""]
+    text.append("Generated by `make bench`. " + ", ".join(f"{k} {v}" for k, v in machine.items()) + ".")
+    text.append(
+        f"One thread, medians; ns an evaluation. Batches are 4,096 rows in NumPy's own layout, a call "
+        f"is one row from Python, Python included. Peers loop in C or C++ over the same rows; those "
+        f"from Python make a call a row. The limit is what {results['peak']:.2f} vector operations a "
+        f"nanosecond, measured, would take for the kernel's instructions alone: no loads, no stores."
+    )
+    for name, table in results["tables"].items():
+        text += ["", f"## {name}", ""]
+        text.append(
+            "| function | operations | mcgee, batch | of the limit | mcgee, one call | Pinocchio C++ | "
+            "CasADi C | Pinocchio Python | MuJoCo Python | × Pinocchio C++ | × CasADi C |"
+        )
+        text.append("|---" + "|--:" * 10 + "|")
+        text += [markdown_row(line, results) for line in table]
+    return "\n".join(text) + "\n"
+
+
+def markdown_row(line: dict, results: dict) -> str:
+    ns, counts = line["ns"], line["counts"]
+    least = (counts["instructions"] + SINCOS * counts["sincos"]) / int(results["machine"]["lanes"])
+    limit = least / results["peak"] / ns["mcgee"]
+    cells = [line["function"].replace("_", " "), f"{operations(line):,}", f"{ns['mcgee']:.1f}"]
+    cells += [f"{limit:.0%}", f"{ns['single']:.0f}"]
+    cells += [f"{ns[p]:,.0f}" if p in ns else "–" for p in PEERS]
+    cells += [f"**{ratio(line, p)}**" for p in COMPILED]
+    return "| " + " | ".join(cells) + " |"
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,9 @@
+"""Other libraries behind one face: `peer.functions(arm, file)` maps names to batch functions.
+
+A batch function takes (rows, n) arrays q, qd, x and returns the rows of results, flat. A peer that
+cannot be had here raises ImportError or Absent from its import or from `functions`.
+"""
+
+
+class Absent(Exception):
+    """Why a peer is not measured here."""

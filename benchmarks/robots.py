@@ -35,7 +35,7 @@ def file(name: str, folder: Path) -> Path:
 def planar_2r() -> Iterator[str]:
     for i in (1, 2):
         yield joint(i, (1.0 if i > 1 else 0.0, 0, 0), (0, 0, 0), "0 -1 0")
-        yield link(i, 1.0, (0.5, 0, 0), np.diag([0.0, 0.1, 0.1]))
+        yield link(i, 1.0, (0.5, 0, 0), np.diag([0.05, 0.1, 0.1]))
 
 
 def chain(n: int) -> Iterator[str]:
@@ -52,13 +52,20 @@ def joint(i: int, xyz, rpy, axis: str) -> str:
     parent = f"l{i - 1}" if i > 1 else "base"
     place = " ".join(map(repr, map(float, xyz))), " ".join(map(repr, map(float, rpy)))
     return (
-        f'<joint name="j{i}" type="continuous"><parent link="{parent}"/><child link="l{i}"/>'
-        f'<origin xyz="{place[0]}" rpy="{place[1]}"/><axis xyz="{axis}"/></joint>\n'
+        f'<joint name="j{i}" type="revolute"><parent link="{parent}"/><child link="l{i}"/>'
+        f'<origin xyz="{place[0]}" rpy="{place[1]}"/><axis xyz="{axis}"/><limit lower="-9" upper="9" effort="99" velocity="99"/></joint>\n'
     )
 
 
 def link(i: int, mass: float, com, I: np.ndarray) -> str:
-    names = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1, 2), "izz": (2, 2)}
+    names = {
+        "ixx": (0, 0),
+        "ixy": (0, 1),
+        "ixz": (0, 2),
+        "iyy": (1, 1),
+        "iyz": (1, 2),
+        "izz": (2, 2),
+    }
     inertia = " ".join(f'{name}="{float(I[at])!r}"' for name, at in names.items())
     return (
         f'<link name="l{i}"><inertial><origin xyz="{" ".join(map(repr, map(float, com)))}"/>'

@@ -1,6 +1,6 @@
 """Other libraries behind one face: `peer.functions(arm, file)` maps names to batch functions.
 
-A batch function takes (rows, n) arrays q, qd, x and returns the rows of results, flat. A peer that
+A batch function takes (rows, n) arrays q, qd, x and returns the rows of results, flat; "order" is an array, our joints in the order of the peer's. A peer that
 cannot be had here raises ImportError or Absent from its import or from `functions`.
 """
 

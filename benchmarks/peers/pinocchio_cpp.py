@@ -7,6 +7,7 @@ import numpy as np
 import pinocchio as pin
 
 from peers import Absent, compiler
+from peers.pinocchio_python import order
 
 NAME = "Pinocchio C++"
 HERE = Path(__file__).parent
@@ -79,10 +80,13 @@ def functions(arm, file: Path) -> dict:
             given += given[:1] * (3 - len(given))
             if batch.out is None or len(batch.out) != len(arrays[0]):
                 batch.out = np.empty((len(arrays[0]), width))
-            loop(*map(ctypes.c_void_p, (*given, batch.out.ctypes.data)), ctypes.c_long(len(arrays[0])))
+            loop(
+                *map(ctypes.c_void_p, (*given, batch.out.ctypes.data)),
+                ctypes.c_long(len(arrays[0])),
+            )
             return batch.out
 
         batch.out = None
         return batch
 
-    return {name: bind(name) for name in WIDTHS}
+    return {name: bind(name) for name in WIDTHS} | {"order": order(arm, file)}

@@ -39,7 +39,13 @@ def functions(arm, file: Path) -> dict:
 
         return rows
 
-    return {name: batch(call) for name, call in calls(file).items()}
+    return {name: batch(call) for name, call in calls(file).items()} | {"order": order(arm, file)}
+
+
+def order(arm, file: Path) -> np.ndarray:
+    """Our joints in Pinocchio's order, which is that of their names."""
+    model = pin.buildModelFromUrdf(str(file))
+    return np.array([arm.joint_names.index(name) for name in list(model.names)[1:]])
 
 
 def flat(result) -> np.ndarray:

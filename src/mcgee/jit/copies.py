@@ -11,6 +11,10 @@ from mcgee.jit.emit import hexadecimal
 from mcgee.jit.target import Target
 
 
+AHEAD = 256
+"""Bytes ahead of a row's results that memory is asked for: lines come while others are written."""
+
+
 def common_ir(target: Target, inputs: int) -> str:
     """@gather, @scatter, @nans to find rows with NaN among the inputs, and @poison for them."""
     return _COMMON.format(
@@ -125,6 +129,8 @@ def copies_ir(target: Target, b: int) -> str:
     for i in range(w):
         group = [i - i % b + c for c in range(b)]
         store_rows += [
+            f"%ahead.{i} = getelementptr i8, ptr %at.{i}, i64 {AHEAD}",
+            f"call void @llvm.prefetch(ptr %ahead.{i}, i32 1, i32 3, i32 1)",
             f"%row.{i} = {_shuffle(turned[i % b], turned[i % b], t, w, group)}",
             f"store {row} %row.{i}, ptr %at.{i}, align {size}",
         ]
@@ -252,6 +258,7 @@ define internal void @unpack{b}(ptr %at, i64 %outer, i64 %size, ptr %tile, ptr %
 _COMMON = (
     """
 declare i64 @llvm.umin.i64(i64, i64)
+declare void @llvm.prefetch(ptr, i32, i32, i32)
 
 define internal i64 @nans(ptr %tile) noinline nounwind {{
   {search}

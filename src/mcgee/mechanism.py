@@ -114,6 +114,7 @@ def reduce(
     order = depth_first(links, joints)
     by_name = {joint.name: joint for joint in joints}
     independent = [joint.name for joint in order if joint.moves and joint.mimic is None]
+    coordinates = {name: k for k, name in enumerate(independent)}
     # where each link's frame is: (body, pose of the link's frame in the body's)
     seats: dict[str, tuple[int, Pose]] = {root_of(links, joints): (GROUND, Pose())}
     bodies: list[Body] = []
@@ -122,7 +123,7 @@ def reduce(
         pose = seat @ joint.pose
         if joint.moves:
             leader, multiplier, offset = coordinate_of(joint, by_name)
-            coordinate = independent.index(leader)
+            coordinate = coordinates[leader]
             bodies.append(_empty_body(joint, i, pose, coordinate, multiplier, offset))
             i, pose = len(bodies) - 1, frame_on_axis(joint.axis).inverse()
         seats[joint.child] = (i, pose @ joint.child_pose)

@@ -53,7 +53,8 @@ def joint(i: int, xyz, rpy, axis: str) -> str:
     place = " ".join(map(repr, map(float, xyz))), " ".join(map(repr, map(float, rpy)))
     return (
         f'<joint name="j{i}" type="revolute"><parent link="{parent}"/><child link="l{i}"/>'
-        f'<origin xyz="{place[0]}" rpy="{place[1]}"/><axis xyz="{axis}"/><limit lower="-9" upper="9" effort="99" velocity="99"/></joint>\n'
+        f'<origin xyz="{place[0]}" rpy="{place[1]}"/><axis xyz="{axis}"/>'
+        '<limit lower="-9" upper="9" effort="99" velocity="99"/></joint>\n'
     )
 
 

@@ -4,7 +4,7 @@ import shutil
 import subprocess
 from pathlib import Path
 
-from peers import Absent
+from peers import AbsentError
 
 FLAGS = ("-O3", "-march=native", "-DNDEBUG", "-shared", "-fPIC", "-w")
 
@@ -13,7 +13,7 @@ def found(*names: str) -> str:
     for name in names:
         if shutil.which(name):
             return name
-    raise Absent(f"none of the compilers {', '.join(names)} is here")
+    raise AbsentError(f"none of the compilers {', '.join(names)} is here")
 
 
 def cpp() -> str:
@@ -31,5 +31,5 @@ def built(compiler: str, source: Path, library: Path, *flags: str) -> Path:
         command = [compiler, *FLAGS, str(source), "-o", str(library), *flags]
         done = subprocess.run(command, capture_output=True, text=True)
         if done.returncode:
-            raise Absent(f"{compiler} failed: {done.stderr.strip().splitlines()[:1]}")
+            raise AbsentError(f"{compiler} failed: {done.stderr.strip().splitlines()[:1]}")
     return library

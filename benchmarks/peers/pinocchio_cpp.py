@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
-from peers import Absent, compiler
+from peers import AbsentError, compiler
 from peers.pinocchio_python import order
 
 NAME = "Pinocchio C++"
@@ -44,7 +44,7 @@ def eigen() -> Path:
     for place in places:
         if (place / "Eigen" / "Core").exists():
             return place
-    raise Absent("Eigen's headers are not here (libeigen3-dev, or the casadi wheel)")
+    raise AbsentError("Eigen's headers are not here (libeigen3-dev, or the casadi wheel)")
 
 
 def library() -> ctypes.CDLL:

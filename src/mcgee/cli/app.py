@@ -13,6 +13,7 @@ from typing import Annotated
 import typer
 
 import mcgee
+from mcgee.cli import bench as bench_view
 from mcgee.cli import explain as explain_view
 from mcgee.cli import terms as terms_view
 from mcgee.cli.state import read_state
@@ -127,6 +128,24 @@ def explain(
             explanation.to_html(html)
             typer.echo(f"mcgee: wrote {html}", err=True)
         explain_view.print_json(explanation) if json else explain_view.print_report(explanation)
+
+
+@app.command(no_args_is_help=True, epilog="Example:  mcgee bench ur5e --counts")
+def bench(
+    robot: RobotArgument,
+    counts: Annotated[
+        bool, typer.Option("--counts", help="Count operations instead of measuring time.")
+    ] = False,
+    json: JsonOption = False,
+) -> None:
+    """Say what each quantity costs: nanoseconds on this machine, or operations on any."""
+    with reported():
+        arm = mcgee.load(robot)
+        if json:
+            figures = bench_view.counts(arm) if counts else bench_view.times(arm)
+            bench_view.print_json(arm, figures, "operations" if counts else "ns")
+        else:
+            (bench_view.print_counts if counts else bench_view.print_times)(arm)
 
 
 @contextmanager

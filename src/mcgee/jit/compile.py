@@ -21,7 +21,15 @@ from mcgee.jit.sincos import sincos_ir
 from mcgee.jit.single import single_ir
 from mcgee.jit.target import Target, host
 
-SETTINGS = {"opt": 2, "reloc": "pic", "codemodel": "small", "jit": True}
+NEAR = sys.platform != "win32"
+"""Whether the linker puts constants beside code, so that short addresses reach them."""
+
+SETTINGS = {
+    "opt": 2,
+    "reloc": "pic",
+    "codemodel": "small" if NEAR else "jitdefault",
+    "jit": True,
+}
 """Of the code generator; part of the cache's key, as is everything else that shapes an object."""
 
 PYTHON_FUNCTIONS = (
@@ -106,8 +114,7 @@ def _link(code: bytes, key: str, entry: str, symbols: Mapping[str, int]) -> int:
     import llvmlite.binding as llvm
 
     target = host()
-    # on Arm the older linker may map sections too far apart for their relocations
-    linker = llvm.create_lljit_compiler(_machine(target), use_jit_link=True)
+    linker = llvm.create_lljit_compiler(_machine(target), use_jit_link=NEAR or target.arm64)
     library = llvm.JITLibraryBuilder().add_object_img(code).export_symbol(entry)
     for name, place in {**_symbols(), **symbols}.items():
         library = library.import_symbol(name, place)

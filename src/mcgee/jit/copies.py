@@ -10,7 +10,6 @@ from mcgee.graph.program import Array
 from mcgee.jit.emit import hexadecimal
 from mcgee.jit.target import Target
 
-
 AHEAD = 256
 """Bytes ahead of a row's results that memory is asked for: lines come while others are written."""
 

@@ -1,0 +1,55 @@
+"""`mcgee bench`: what it counts is what is compiled; what it times, it names."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import mcgee
+
+MCGEE = str(Path(sys.executable).with_name("mcgee"))
+
+
+def run(*arguments, **options):
+    return subprocess.run([MCGEE, "bench", *arguments], capture_output=True, text=True, **options)
+
+
+def test_json_holds_the_robots_own_counts():
+    report = json.loads(run("puma560", "--counts", "--json").stdout)
+    assert report["quantities"] == mcgee.load("puma560").operation_counts()
+    assert (report["robot"], report["unit"]) == ("puma560", "operations")
+
+
+def test_the_table_shows_them():
+    counts = mcgee.load("puma560").operation_counts()
+    out = run("puma560", "--counts", env={"COLUMNS": "80"}).stdout
+    for name, row in counts.items():
+        line = next(line for line in out.splitlines() if line.split()[:1] == [name])
+        keys = ("add", "mul", "div", "sincos", "instructions")
+        assert line.split()[1:] == [f"{row[key]:,}" for key in keys]
+
+
+def test_times_of_every_quantity():
+    report = json.loads(run("pendulum", "--json").stdout)
+    assert report["unit"] == "ns"
+    assert set(report["quantities"]) == set(mcgee.load("pendulum").operation_counts())
+    for row in report["quantities"].values():
+        assert set(row) == {"batch", "batch float32", "one call"}
+        assert min(row.values()) > 0
+
+
+@pytest.mark.parametrize("options", [[], ["--counts"]])
+def test_tables_fit_80_columns(options):
+    out = run("planar_2r", *options, env={"COLUMNS": "80", "MCGEE_CACHE_DIR": ""}).stdout
+    assert "inverse_dynamics" in out
+    assert max(len(line) for line in out.splitlines()) <= 80
+    assert "…" not in out
+
+
+def test_an_unknown_robot_is_one_line():
+    result = run("no_such_arm")
+    assert result.returncode == 2
+    assert result.stderr.startswith("mcgee: error:")
+    assert len(result.stderr.splitlines()) == 1

@@ -31,6 +31,18 @@ def test_the_table_shows_them():
         assert line.split()[1:] == [f"{row[key]:,}" for key in keys]
 
 
+def test_formulations_of_old_beside_ours():
+    rows = json.loads(run("stanford", "--counts", "--json").stdout)
+    assert rows["inverse_dynamics_formulations"] == {}  # it slides
+    rows = json.loads(run("puma560", "--counts", "--json").stdout)["inverse_dynamics_formulations"]
+    ours = mcgee.load("puma560").operation_counts()["inverse_dynamics"]
+    assert rows["mcgee"] == {"mul": ours["mul"], "add": ours["add"]}
+    assert rows["Luh, Walker & Paul"]["published"] == {"mul": 852, "add": 738}
+    out = run("puma560", "--counts", env={"COLUMNS": "80"}).stdout
+    assert "66,271" in out
+    assert f"{rows['Waters']['mul']:,}" in out
+
+
 def test_times_of_every_quantity():
     report = json.loads(run("pendulum", "--json").stdout)
     assert report["unit"] == "ns"
@@ -40,9 +52,9 @@ def test_times_of_every_quantity():
         assert min(row.values()) > 0
 
 
-@pytest.mark.parametrize("options", [[], ["--counts"]])
+@pytest.mark.parametrize("options", [["planar_2r"], ["puma560", "--counts"]])
 def test_tables_fit_80_columns(options):
-    out = run("planar_2r", *options, env={"COLUMNS": "80", "MCGEE_CACHE_DIR": ""}).stdout
+    out = run(*options, env={"COLUMNS": "80", "MCGEE_CACHE_DIR": ""}).stdout
     assert "inverse_dynamics" in out
     assert max(len(line) for line in out.splitlines()) <= 80
     assert "…" not in out

@@ -142,8 +142,7 @@ def bench(
     with reported():
         arm = mcgee.load(robot)
         if json:
-            figures = bench_view.counts(arm) if counts else bench_view.times(arm)
-            bench_view.print_json(arm, figures, "operations" if counts else "ns")
+            bench_view.print_json(arm, counts)
         else:
             (bench_view.print_counts if counts else bench_view.print_times)(arm)
 

@@ -22,10 +22,6 @@ MOMENT = 1e-3
 """Seconds of calls that are timed together."""
 
 
-def counts(robot: Robot) -> dict[str, dict[str, int]]:
-    return robot.operation_counts()
-
-
 def times(robot: Robot) -> dict[str, dict[str, float]]:
     """By quantity, nanoseconds an evaluation: of a batch, of a batch in float32, of one call."""
     random, found = np.random.default_rng(0), {}
@@ -63,8 +59,29 @@ def _seconds(call: Callable[[], Any]) -> float:
     return statistics.median(rounds)
 
 
-def print_json(robot: Robot, figures: dict[str, dict[str, Any]], unit: str) -> None:
-    print(json.dumps({"robot": robot.name, "unit": unit, "quantities": figures}, indent=2))
+def formulations(robot: Robot) -> dict[str, dict[str, Any]]:
+    """Inverse dynamics by the formulations of old, where the robot is a chain they know."""
+    from mcgee.algorithms.classic import FORMULATIONS, PUBLISHED, counted
+
+    found: dict[str, dict[str, Any]] = {}
+    for name in FORMULATIONS:
+        try:
+            mul, add = counted(name, robot.mechanism)
+        except ValueError:
+            return {}
+        found[name] = {"mul": mul, "add": add}
+        if robot.n == 6:
+            found[name]["published"] = dict(zip(("mul", "add"), PUBLISHED[name], strict=True))
+    ours = robot.operation_counts()["inverse_dynamics"]
+    return found | {"mcgee": {"mul": ours["mul"], "add": ours["add"]}}
+
+
+def print_json(robot: Robot, operations: bool) -> None:
+    report: dict[str, Any] = {"robot": robot.name, "unit": "operations" if operations else "ns"}
+    report["quantities"] = robot.operation_counts() if operations else times(robot)
+    if operations:
+        report["inverse_dynamics_formulations"] = formulations(robot)
+    print(json.dumps(report, indent=2))
 
 
 def print_counts(robot: Robot, console: Console | None = None) -> None:
@@ -76,12 +93,26 @@ def print_counts(robot: Robot, console: Console | None = None) -> None:
         "instructions": "instructions",
     }
     table = _table(["quantity", *columns])
-    for name, figures in counts(robot).items():
+    for name, figures in robot.operation_counts().items():
         table.add_row(name, *(f"{figures[key]:,}" for key in columns.values()))
     console = console or Console(highlight=False)
     console.print(Text(repr(robot)))
     console.print(table)
     console.print("Instructions: what is left where a multiplication and an addition are one.")
+    rows = formulations(robot)
+    if rows:
+        console.print("\nInverse dynamics by older formulations, counted for this robot:")
+        console.print(_formulations_table(rows))
+
+
+def _formulations_table(rows: dict[str, dict[str, Any]]) -> Table:
+    six = any("published" in row for row in rows.values())
+    table = _table(["formulation", "×", "+"] + ["published for six joints: ×", "+"] * six)
+    for name, row in rows.items():
+        theirs = row.get("published", {"mul": "", "add": ""}) if six else {}
+        cells = [row["mul"], row["add"], *theirs.values()]
+        table.add_row(name, *(f"{cell:,}" if cell != "" else "" for cell in cells))
+    return table
 
 
 def print_times(robot: Robot, console: Console | None = None) -> None:
@@ -99,5 +130,5 @@ def print_times(robot: Robot, console: Console | None = None) -> None:
 def _table(titles: list[str]) -> Table:
     table = Table(box=box.SIMPLE_HEAD)
     for title in titles:
-        table.add_column(title, justify="left" if title == "quantity" else "right")
+        table.add_column(title, justify="left" if title in ("quantity", "formulation") else "right")
     return table

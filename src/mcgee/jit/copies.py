@@ -97,7 +97,7 @@ def copies_ir(target: Target, b: int) -> str:
     """@pack and @unpack for whole tiles of contiguous rows of b scalars or more."""
     w, t, v, size = target.lanes, target.element, target.vector, target.size
     row = f"<{b} x {t}>"
-    rows, load_rows, store_rows = [], [], []
+    rows, load_rows = [], []
     for i in range(w):
         rows += [
             f"%skip.{i} = mul i64 %outer, {i}",
@@ -125,17 +125,25 @@ def copies_ir(target: Target, b: int) -> str:
             f"%in.{c} = load {v}, ptr %from.{c}, align {size}",
         ]
     turns, turned = _transpose([f"%in.{c}" for c in range(b)], t, w)
-    for i in range(w):
-        group = [i - i % b + c for c in range(b)]
-        store_rows += [
-            f"%ahead.{i} = getelementptr i8, ptr %at.{i}, i64 {AHEAD}",
-            f"call void @llvm.prefetch(ptr %ahead.{i}, i32 1, i32 3, i32 1)",
-            f"%row.{i} = {_shuffle(turned[i % b], turned[i % b], t, w, group)}",
-            f"store {row} %row.{i}, ptr %at.{i}, align {size}",
-        ]
+    store_rows = _stores(turned, target, b)
     unpack = rows + load_tile + turns + store_rows
     chunks = {"pack_chunk": "\n  ".join(pack), "unpack_chunk": "\n  ".join(unpack)}
     return _COPIES.format(w=w, b=b, t=t, size=size, shift=size.bit_length() - 1, **chunks)
+
+
+def _stores(turned: list[str], target: Target, b: int) -> list[str]:
+    """Each row's chunk out of the turned vectors, and a word to memory about the next."""
+    lines = []
+    for i in range(target.lanes):
+        group = [i - i % b + c for c in range(b)]
+        chunk_of_row = _shuffle(turned[i % b], turned[i % b], target.element, target.lanes, group)
+        lines += [
+            f"%ahead.{i} = getelementptr i8, ptr %at.{i}, i64 {AHEAD}",
+            f"call void @llvm.prefetch(ptr %ahead.{i}, i32 1, i32 3, i32 1)",
+            f"%row.{i} = {chunk_of_row}",
+            f"store <{b} x {target.element}> %row.{i}, ptr %at.{i}, align {target.size}",
+        ]
+    return lines
 
 
 def chunk(array: Array, w: int) -> int:

@@ -6,7 +6,7 @@ import ctypes
 
 import numpy as np
 import pytest
-from programs import of_robot, program, random_program, same_bits
+from programs import compiling_for, of_robot, program, random_program, same_bits, targets
 
 import mcgee
 from mcgee import build
@@ -50,6 +50,27 @@ def test_random_programs(seed):
     p = random_program(seed, (3, 2), (2, 2), (), operations=60)
     rng = np.random.default_rng(seed)
     assert_same_bits(p, rng.normal(size=(9, 3)), rng.normal(size=(9, 2)))
+
+
+@pytest.mark.parametrize("name", targets())
+@pytest.mark.parametrize("quantity", ["inverse_dynamics", "forward_dynamics", "terms"])
+def test_with_other_registers(name, quantity):
+    p = of_robot(random_tree(5, mimic=0.3), quantity)
+    with compiling_for(targets()[name]):
+        assert_same_bits(p, *(np.random.default_rng(1).normal(size=(7, a.size)) for a in p.inputs))
+
+
+@pytest.mark.parametrize("name", targets())
+@pytest.mark.parametrize("quantity", ["mass_matrix", "inverse_dynamics", "forward_dynamics"])
+def test_float32_with_other_registers(name, quantity):
+    p = of_robot(loaded("ur5"), quantity)
+    arrays = [np.random.default_rng(k).normal(size=(37, a.size)) for k, a in enumerate(p.inputs)]
+    singles = [array.astype(np.float32) for array in arrays]
+    with compiling_for(targets()[name]):
+        got = gufunc(p, single=True)(*singles)
+        want = gufunc(p)(*(single.astype(float) for single in singles))
+    assert got.dtype == np.float32
+    assert 0 < np.abs(got - want).max() <= 40 * 2.0**-24 * np.abs(want).max()
 
 
 def test_scratch_that_no_stack_should_hold():

@@ -38,7 +38,14 @@ FUNCTIONS = (
     *("mass_matrix_inverse", "inverse_dynamics_derivatives", "forward_dynamics_derivatives"),
     "regressor",
 )
-PEERS = ("pinocchio_cpp", "casadi_c", "pinocchio_python", "mujoco_python")
+PEERS = {
+    "pinocchio_cpp": "Pinocchio C++",
+    "casadi_c": "CasADi C",
+    "pinocchio_python": "Pinocchio Python",
+    "mujoco_python": "MuJoCo Python",
+    "drake_python": "Drake Python",
+    "adam_casadi": "adam CasADi",
+}
 SINCOS = 44
 """Instructions of a sine and cosine of a vector."""
 TOLERANCE = 1e-7
@@ -74,8 +81,8 @@ def main() -> None:
             print(as_text(name, table), flush=True)
         for n in models.CHAINS if options.chains else ():
             some = ["inverse_dynamics", "forward_dynamics"]
-            if n > LONG:  # its C takes clang many minutes
-                options.peers = options.peers.replace("casadi_c", "")
+            some_peers = COMPILED if n <= LONG else COMPILED[:1]  # long C takes clang many minutes
+            options.peers = ",".join(p for p in some_peers if p in options.peers)
             table = measured(f"chain{n}", Path(folder), options, some)
             results["tables"][f"chain{n}"] = table
             print(as_text(f"chain{n}", table), flush=True)
@@ -90,7 +97,7 @@ def machine() -> dict[str, str]:
         lines = Path("/proc/cpuinfo").read_text().splitlines()
         model = next((x.split(":")[1].strip() for x in lines if x.startswith("model name")), model)
     found = {"processor": model, "lanes": str(host().lanes), "Python": platform.python_version()}
-    for package in ("numpy", "llvmlite", "pin", "casadi", "mujoco"):
+    for package in ("numpy", "llvmlite", "pin", "casadi", "mujoco", "drake", "adam-robotics"):
         try:
             found[package] = importlib.metadata.version(package)
         except importlib.metadata.PackageNotFoundError:
@@ -117,7 +124,7 @@ def at_hand(names: list[str], arm: mcgee.Robot, file: Path) -> dict[str, dict]:
     for name in filter(None, names):
         try:
             found[name] = importlib.import_module(f"peers.{name}").functions(arm, file)
-        except (ImportError, AbsentError, ValueError) as reason:
+        except (ImportError, AbsentError, ValueError, RuntimeError) as reason:
             print(f"{name}: absent ({reason})")
     return found
 
@@ -231,7 +238,7 @@ def as_text(name: str, table: list[dict]) -> str:
 
 HEADS = (
     *("function", "operations", "mcgee, batch", "of the limit", "mcgee, one call"),
-    *("Pinocchio C++", "CasADi C", "Pinocchio Python", "MuJoCo Python"),
+    *PEERS.values(),
     *("× Pinocchio C++", "× CasADi C"),
 )
 PREFACE = """# Results
@@ -251,7 +258,12 @@ def as_markdown(results: dict) -> str:
     said = ", ".join(f"{key} {value}" for key, value in machine.items())
     text = [PREFACE.format(machine=said, peak=results["peak"], lanes=machine["lanes"])]
     for name, table in results["tables"].items():
-        text += [f"## {name}", "", "| " + " | ".join(HEADS) + " |", "|---" + "|--:" * 10 + "|"]
+        text += [
+            f"## {name}",
+            "",
+            "| " + " | ".join(HEADS) + " |",
+            "|---" + "|--:" * (len(HEADS) - 1) + "|",
+        ]
         text += [markdown_row(line, results) for line in table] + [""]
     return "\n".join(text)
 

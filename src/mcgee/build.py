@@ -11,8 +11,8 @@ from mcgee.algorithms.frames import canonical
 from mcgee.algorithms.parameters import TEN, with_parameters
 from mcgee.algorithms.regroup import regrouped
 from mcgee.graph.differentiate import jacobian
-from mcgee.graph.node import Graph, Value
-from mcgee.graph.program import Array, Program
+from mcgee.graph.node import Graph, LimitError, Value
+from mcgee.graph.program import LONG, Array, Program
 from mcgee.mechanism import Mechanism
 
 
@@ -102,7 +102,7 @@ def trace(mechanism: Mechanism, quantity: str, *options: Any, parametric: bool =
     regroup = (False, True) if parametric else (True,)
     if signature(quantity).energy:
         regroup = (False,)
-    with _collection_paused():
+    with collection_paused():
         programs = [
             _traced(mechanism, quantity, way, options, parametric, yes)
             for way in ways
@@ -131,14 +131,22 @@ def _traced(
     parametric: bool,
     regroup: bool,
 ) -> Program:
-    graph = Graph()
     inputs, outputs = arrays(mechanism, quantity, parametric)
-    nodes = [graph.inputs(array.name, array.size) for array in inputs]
-    model = with_parameters(mechanism, nodes.pop()) if parametric else mechanism
-    if regroup:
-        model = regrouped(model if parametric else canonical(model))
-    result = getattr(quantities, way)(model, *nodes, *options)
-    return Program(quantity, inputs, outputs, tuple(_flat(result)))
+    if regroup and not parametric:
+        mechanism = regrouped(canonical(mechanism))
+
+    def on(graph: Graph) -> Program:
+        nodes = [graph.inputs(array.name, array.size) for array in inputs]
+        model = with_parameters(mechanism, nodes.pop()) if parametric else mechanism
+        if regroup and parametric:
+            model = regrouped(model)
+        result = getattr(quantities, way)(model, *nodes, *options)
+        return Program(quantity, inputs, outputs, tuple(_flat(result)))
+
+    try:
+        return on(Graph(limit=LONG))
+    except LimitError:
+        return on(Graph(signed=True))
 
 
 def arrays(
@@ -172,7 +180,7 @@ def operation_counts(
 
 
 @contextmanager
-def _collection_paused() -> Iterator[None]:
+def collection_paused() -> Iterator[None]:
     """Tracing makes no garbage in cycles, and looking for some took 40 % of its time."""
     collecting = gc.isenabled()
     gc.disable()

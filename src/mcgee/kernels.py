@@ -140,7 +140,7 @@ class Bound:
             return False
         if not all(type(a) is np.ndarray and a.ndim == 1 and a.dtype == float for a in args):
             return False
-        with _lock:
+        with _lock, build.collection_paused():
             open_(self, compiled_row(_traced(self.robot, self.__name__, *self.options)))
         return True
 
@@ -177,8 +177,9 @@ def compiled(robot: Robot, name: str, *options: str, single: bool = False) -> tu
         known = robot.__dict__.setdefault("_ufuncs", {})
         key = (name, options, single)
         if key not in known:
-            program = _traced(robot, name, *options)
-            known[key] = gufunc(program, single=single), len(program.nodes)
+            with build.collection_paused():
+                program = _traced(robot, name, *options)
+                known[key] = gufunc(program, single=single), len(program.nodes)
         return known[key]
 
 

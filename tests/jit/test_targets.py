@@ -32,7 +32,7 @@ import llvmlite.binding as llvm
 llvm.initialize_all_targets()
 llvm.initialize_all_asmprinters()
 from mcgee import arms, build
-from mcgee.jit import loop
+from mcgee.jit import cut, kernel as kernels, loop
 from mcgee.jit.compile import _object
 from mcgee.jit.kernel import kernel_ir
 from mcgee.jit.sincos import sincos_ir
@@ -76,8 +76,11 @@ features = "" if not triple.startswith("x86") else "+avx512f,+fma" if lanes == 8
 target = Target(triple, "", features, lanes, fma)
 for stack, quantity in ((loop.STACK, "christoffel"), (0, "terms")):
     loop.STACK = stack
+    kernels.LONG = 0 if stack else 10**9  # with tables, and without
+    cut.SHORTEST, cut.LONGEST, cut.SURROUNDINGS = 4, 12, 2
     program = build.trace(arms.ur5e().mechanism, quantity)
     kernel = kernel_ir(program, target)
+    assert ("@places" in kernel.text) == bool(stack)
     text = sincos_ir(target) + kernel.text + loop.loop_ir(program, kernel, target)
     print(*sorted(set(undefined(_object(text, target)))))
 """

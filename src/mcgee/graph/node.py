@@ -85,10 +85,21 @@ class Node:
 Value = Node | Number
 
 
-class Graph:
-    """An arena of nodes in which equal expressions are one node."""
+class LimitError(Exception):
+    """A graph has reached its limit."""
 
-    def __init__(self) -> None:
+
+class Graph:
+    """An arena of nodes in which equal expressions are one node.
+
+    Args:
+        limit: nodes at which `LimitError` is raised
+        signed: whether a constant factor keeps its sign. Without it goes to the product, which
+            makes more expressions equal; with it what repeats with other constants stays alike.
+    """
+
+    def __init__(self, limit: float = math.inf, signed: bool = False) -> None:
+        self.limit, self.signed = limit, signed
         self.nodes: list[Node] = []
         self._known: dict[tuple, Node] = {}
 
@@ -104,6 +115,8 @@ class Graph:
         if node is None:
             node = self._known[key] = Node(self, op, args, len(self.nodes))
             self.nodes.append(node)
+            if node.index > self.limit:
+                raise LimitError
         return node
 
     def add(self, a: Value, b: Value) -> Value:
@@ -164,7 +177,7 @@ class Graph:
             a, k = a.args[0], -k
         if k == 1:
             return a
-        if k < 0:
+        if k == -1 or (k < 0 and not self.signed):
             return self.neg(self._times_constant(a, -k))
         if a.op == "mul" and not isinstance(a.args[0], Node):
             return self._times_constant(a.args[1], a.args[0] * k)

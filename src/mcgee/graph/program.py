@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -12,6 +12,9 @@ from typing import Any
 import numpy as np
 
 from mcgee.graph.node import OPERATIONS, Node, Value
+
+LONG = 40_000
+"""Nodes from which on a program is cut where it repeats, and should repeat."""
 
 
 @dataclass(frozen=True)
@@ -54,15 +57,15 @@ class Program:
         count = Counter(node.op for node in self.nodes)
         angles = {node.args[0] for node in self.nodes if node.op in ("cos", "sin")}
         fused = fusions(self)
-        left = live(self, fused)
+        remaining = live(self, fused)
         return {
             "add": count["add"] + count["sub"],
             "mul": count["mul"],
             "div": count["div"],
             "neg": count["neg"],
             "sincos": len(angles),
-            "fma": sum(node in fused for node in left),
-            "instructions": sum(node.op not in ("input", "cos", "sin") for node in left),
+            "fma": sum(node in fused for node in remaining),
+            "instructions": sum(node.op not in ("input", "cos", "sin") for node in remaining),
         }
 
     def arithmetic(self) -> int:
@@ -86,25 +89,31 @@ def fusions(program: Program) -> dict[Node, Node]:
     return fused
 
 
-def arguments(node: Node, fused: dict[Node, Node]) -> Sequence[Node]:
-    """The nodes whose values the operation reads."""
+def left(node: Node, fused: Mapping[Node, Node]) -> tuple[str, tuple[Value, ...]]:
+    """The operation that is left of a node, and what it reads.
+
+    muladd(a, b, c) = a b + c, mulsub(a, b, c) = a b - c, submul(c, a, b) = c - a b.
+    """
     product = fused.get(node)
-    args = [a for a in node.args if isinstance(a, Node) and a is not product]
-    if product is not None:
-        args += [a for a in product.args if isinstance(a, Node)]
-    return args
+    if product is None:
+        return node.op, node.args if node.op != "input" else ()
+    a, b = node.args
+    if node.op == "add":
+        return "muladd", (*product.args, b if a is product else a)
+    if a is product:
+        return "mulsub", (*product.args, b)
+    return "submul", (a, *product.args)
 
 
-def live(program: Program, fused: dict[Node, Node]) -> list[Node]:
-    """The operations that are left when fused products have gone, in order."""
-    needed: set[Node] = set()
-    stack = [root for root in program.roots if isinstance(root, Node)]
-    while stack:
-        node = stack.pop()
-        if node not in needed:
-            needed.add(node)
-            stack.extend(arguments(node, fused))
-    return [node for node in program.nodes if node in needed]
+def live(program: Program, fused: Mapping[Node, Node]) -> dict[Node, tuple[str, tuple[Value, ...]]]:
+    """What is left of the nodes when fused products have gone, in order."""
+    needed = {root for root in program.roots if isinstance(root, Node)}
+    found = []
+    for node in reversed(program.nodes):
+        if node in needed:
+            found.append((node, left(node, fused)))
+            needed.update(a for a in found[-1][1][1] if isinstance(a, Node))
+    return dict(reversed(found))
 
 
 # -- the reference interpreter ---------------------------------------------------------------------

@@ -44,6 +44,13 @@ class Emitter:
     def _splat(self, element: str) -> str:
         return "<" + ", ".join([element] * self.target.lanes) + ">"
 
+    def splat(self, scalar: str) -> str:
+        """A named scalar in every lane."""
+        v, w = self.vector, self.target.lanes
+        one = self.let(f"insertelement {v} poison, {self.target.element} {scalar}, i64 0")
+        zeros = f"<{w} x i32> zeroinitializer"
+        return self.let(f"shufflevector {v} {one}, {v} poison, {zeros}")
+
     def let(self, text: str) -> str:
         """Name a value."""
         self._names += 1

@@ -2,26 +2,25 @@
 
 A tile holds one vector of lanes for each scalar. `@kernel(in, out, work)` reads the input tile and
 writes one vector for each distinct root to the output tile; what one part computes and a later
-part needs passes through `work`.
+part needs passes through `work`. Of a long program, parts that do the same with other numbers are
+one function, called with tables of them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
-from mcgee.graph.node import Node, Value
-from mcgee.graph.program import Program, arguments, fusions, live
-from mcgee.jit.emit import Emitter
+from mcgee.graph.node import Node
+from mcgee.graph.program import LONG, Program, fusions, live
+from mcgee.jit import cut
+from mcgee.jit.emit import hexadecimal
+from mcgee.jit.part import PARAMETERS, TABLES, Layout, Recipe, function, recipe, written
 from mcgee.jit.target import Target
 
-PART = 800
-"""Operations a function: code generators take more than linear time in its length."""
-
 NOTHING: Mapping[Node, tuple[int, int]] = MappingProxyType({})
-
-PARAMETERS = "ptr noalias %in, ptr noalias %out, ptr noalias %work"
 
 
 @dataclass(frozen=True)
@@ -43,29 +42,18 @@ def kernel_ir(
     """Args:
     given: the places in the input tile of cosine and sine, for angles that come with both
     """
-    places = _places(program)
-    fused = fusions(program) if target.fma else {}
-    order = live(program, fused)
-    parts = [order[i : i + PART] for i in range(0, len(order), PART)] or [[]]
-    crossing = _crossing(parts, fused)
+    outputs = _places(program)
+    left = live(program, fusions(program) if target.fma else {})
+    nodes = [node for node in left if node.op != "input" or node in outputs]
+    long = len(program.nodes) > LONG
+    parts = cut.where_alike(nodes, left) if long else cut.evenly(nodes)
+    crossing, work = cut.crossing(parts, left)
     offsets, start = {}, 0
     for array in program.inputs:
         offsets[array.name], start = start, start + array.size
-    texts = [
-        _Part(Emitter(target), offsets, places, fused, crossing, given).text(f"part{k}", part)
-        for k, part in enumerate(parts)
-    ]
-    calls = "\n".join(
-        f"  call void @part{k}(ptr %in, ptr %out, ptr %work)" for k in range(len(parts))
-    )
-    body = f"""
-define internal void @kernel({PARAMETERS}) nounwind {{
-{calls}
-  ret void
-}}
-"""
-    slots, constants, tile = _slots(program, places)
-    return Kernel("".join(texts) + body, len(crossing), slots, constants, tile)
+    layout = Layout(offsets, outputs, crossing, given)
+    text = _text([recipe(part, layout, left) for part in parts], target)
+    return Kernel(text, work, *_slots(program, outputs))
 
 
 def _places(program: Program) -> dict[Node, int]:
@@ -91,80 +79,46 @@ def _slots(
     return tuple(slots), constants, len(places) + len(values)
 
 
-def _crossing(parts: list[list[Node]], fused: dict[Node, Node]) -> dict[Node, int]:
-    """Scratch vectors for values that a later part reads."""
-    home = {node: k for k, part in enumerate(parts) for node in part}
-    crossing: dict[Node, int] = {}
+def _text(parts: Sequence[Recipe], target: Target) -> str:
+    """The functions of the parts, and `@kernel`, which calls them in order."""
+    times = Counter(part.steps for part in parts)
+    shared: dict[tuple, str] = {}
+    texts, calls, tables = [], [], _Tables(target)
     for k, part in enumerate(parts):
-        for node in part:
-            for a in arguments(node, fused):
-                if home[a] != k and a.op != "input":
-                    crossing.setdefault(a, len(crossing))
-    return crossing
+        again = times[part.steps] > 1
+        name = shared.setdefault(part.steps, f"@part{k}") if again else f"@part{k}"
+        if name == f"@part{k}":
+            body = written(part, target, tables=again)
+            texts.append(function(name, PARAMETERS + again * TABLES, body))
+        numbers = tables.put(part) if again else ""
+        calls.append(f"  call void {name}(ptr %in, ptr %out, ptr %work{numbers})\n")
+    texts.append(f"\ndefine internal void @kernel({PARAMETERS}) nounwind {{\n")
+    return "".join([tables.text(), *texts, *calls, "  ret void\n}\n"])
 
 
 @dataclass
-class _Part:
-    """Writes one function: some operations, and the vectors that go in and out of it."""
+class _Tables:
+    """The numbers of parts that share functions, one after the other."""
 
-    e: Emitter
-    offsets: dict[str, int]
-    places: dict[Node, int]
-    fused: dict[Node, Node]
-    crossing: dict[Node, int]
-    given: Mapping[Node, tuple[int, int]]
-    known: dict[Node, str] = field(default_factory=dict)
-    angles: dict[Value, tuple[str, str]] = field(default_factory=dict)
+    target: Target
+    constants: list[str] = field(default_factory=list)
+    places: list[str] = field(default_factory=list)
 
-    def text(self, name: str, nodes: list[Node]) -> str:
-        for node in nodes:
-            if node.op in ("cos", "sin"):
-                self.known[node] = self.cos_sin(node.args[0])[node.op == "sin"]
-            elif node.op != "input":
-                self.known[node] = self.operation(node)
-            if node in self.places:
-                self.e.store(self.value(node), "%out", self.places[node])
-            if node in self.crossing:
-                self.e.store(self.value(node), "%work", self.crossing[node])
-        return _FUNCTION.format(name=name, body="\n".join(self.e.lines))
+    def put(self, part: Recipe) -> str:
+        """A part's numbers at the ends of the tables; where they begin, as arguments."""
+        t = self.target
+        starts = (t.element, "constants", len(self.constants)), ("i32", "places", len(self.places))
+        self.constants += [f"{t.element} {hexadecimal(c, t.bits)}" for c in part.constants]
+        self.places += [f"i32 {place * t.lanes * t.size}" for place in part.places]
+        return "".join(
+            f", ptr getelementptr ({kind}, ptr @{table}, i64 {at})" for kind, table, at in starts
+        )
 
-    def value(self, a: Value) -> str:
-        if not isinstance(a, Node):
-            return self.e.constant(a)
-        if a not in self.known:
-            if a.op == "input":
-                self.known[a] = self.e.load("%in", self.offsets[a.args[0]] + a.args[1])
-            else:
-                self.known[a] = self.e.load("%work", self.crossing[a])
-        return self.known[a]
-
-    def cos_sin(self, angle: Value) -> tuple[str, str]:
-        if isinstance(angle, Node) and angle in self.given:
-            cosine, sine = (self.e.load("%in", place) for place in self.given[angle])
-            self.angles[angle] = cosine, sine
-        if angle not in self.angles:
-            v, x = self.e.vector, self.value(angle)
-            both = self.e.let(f"call {{ {v}, {v} }} @cos_sin({v} {x})")
-            cos, sin = (self.e.let(f"extractvalue {{ {v}, {v} }} {both}, {i}") for i in (0, 1))
-            self.angles[angle] = cos, sin
-        return self.angles[angle]
-
-    def operation(self, node: Node) -> str:
-        product = self.fused.get(node)
-        if product is None:
-            return getattr(self.e, node.op)(*(self.value(a) for a in node.args))
-        x, y = (self.value(a) for a in product.args)
-        a, b = node.args
-        if node.op == "add":
-            return self.e.muladd(x, y, self.value(b if a is product else a))
-        if a is product:
-            return self.e.mulsub(x, y, self.value(b))
-        return self.e.submul(self.value(a), x, y)
-
-
-_FUNCTION = f"""
-define internal void @{{name}}({PARAMETERS}) nounwind noinline {{{{
-{{body}}
-  ret void
-}}}}
-"""
+    def text(self) -> str:
+        if not self.places:
+            return ""
+        tables = (self.target.element, "constants", self.constants), ("i32", "places", self.places)
+        return "".join(
+            f"\n@{name} = internal constant [{len(entries)} x {kind}] [{', '.join(entries)}]\n"
+            for kind, name, entries in tables
+        )

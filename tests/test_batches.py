@@ -175,12 +175,13 @@ def test_a_bad_number_is_refused(n):
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
 def test_a_child_of_fork_has_threads_of_its_own():
     text = """
-import os, sys, numpy as np, mcgee
+import os, sys, time, numpy as np, mcgee
 from mcgee import threads
 threads.ENOUGH = 1
 mcgee.set_num_threads(3)
 arm, q = mcgee.load("planar_2r"), np.ones((1000, 2))
 first = arm.mass_matrix(q)
+time.sleep(0.3)  # until the pool counts its workers as idle
 child = os.fork()
 if child == 0:
     os._exit(0 if (arm.mass_matrix(q) == first).all() else 1)
@@ -188,3 +189,53 @@ sys.exit(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
 """
     command = [sys.executable, "-W", "ignore::DeprecationWarning", "-c", text]
     assert subprocess.run(command, timeout=120).returncode == 0
+
+
+SHAPES = [((60, 60, 60), None), ((5000,), None), ((3, 2000), None), ((100_000, 1), (1, 0))]
+
+
+@pytest.mark.parametrize(("shape", "other"), SHAPES)
+def test_which_batches_are_cut(shape, other, monkeypatch):
+    """Every axis counts, plain rows may come along, and nothing is no rows."""
+    monkeypatch.setattr(threads, "ENOUGH", 1000)
+    monkeypatch.setattr(threads, "_chosen", 3)
+    arm = mcgee.load("panda")
+    kernel = arm.coriolis.ufunc
+    q = np.random.default_rng(1).normal(size=(*shape, 7))
+    qd = np.ones(7) if other is None else np.ones((*other, 7))
+    plan = threads._plan(kernel, 600, (q, qd), {})
+    if other is not None:
+        assert plan is None
+        assert arm.coriolis(q, qd).shape == (100_000, 0, 7)
+        return
+    assert len(plan[2]) == 3
+    one_by_one = kernel(q, qd)
+    assert arm.coriolis(q, qd).tobytes() == one_by_one.tobytes()
+
+
+def test_batches_after_the_main_thread_has_ended():
+    text = """
+import threading, time, numpy as np, mcgee
+from mcgee import threads
+threads.ENOUGH = 1
+mcgee.set_num_threads(2)
+arm, q = mcgee.load("planar_2r"), np.ones((1000, 2))
+def work():
+    for _ in range(4):
+        arm.mass_matrix(q)
+        time.sleep(0.1)
+    print("done")
+threading.Thread(target=work).start()
+"""
+    run = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, timeout=120)
+    assert (run.stdout, run.stderr) == ("done\n", "")
+
+
+def test_numbers_of_threads_of_other_kinds(monkeypatch):
+    monkeypatch.setattr(threads, "_chosen", None)
+    threads.set_num_threads(np.int64(2))
+    assert threads.num_threads() == 2
+    threads.set_num_threads(None)
+    monkeypatch.setenv("MCGEE_NUM_THREADS", "9" * 5000)
+    with pytest.raises(ValueError, match=r"MCGEE_NUM_THREADS is '9{20}', expected a whole number"):
+        threads.num_threads()

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import copy
+import dataclasses
 import gc
 import inspect
 import os
 import pickle
+import pydoc
 import subprocess
 import sys
 import threading
@@ -14,6 +16,7 @@ import tracemalloc
 import warnings
 import weakref
 from concurrent.futures import ThreadPoolExecutor
+from unittest import mock
 
 import numpy as np
 import pytest
@@ -24,6 +27,7 @@ import mcgee
 from mcgee import kernels
 from mcgee.jit import door
 from mcgee.kernels import Bound, compiled
+from mcgee.robot import Robot
 from robots import random_tree
 
 ARM = mcgee.load("planar_3r")
@@ -422,3 +426,56 @@ def test_float32_on_request(name):
         assert double.dtype == np.float64
         error = np.abs(single - double).max() / np.abs(double).max()
         assert 0 < error < 40 * 2.0**-24
+
+
+# -- what a method is -----------------------------------------------------------------------------
+
+
+class Heavier(Robot):
+    def gravity(self, q, **ufunc):
+        return super().gravity(q, **ufunc) + 1
+
+
+class HeavierByName(Robot):
+    def gravity(self, q, **ufunc):
+        return Robot.gravity(self, q, **ufunc) + 1
+
+
+@pytest.mark.parametrize("kind", [Heavier, HeavierByName])
+def test_a_subclass_may_put_its_own_over_a_quantity(kind):
+    arm = mcgee.arms.planar_2r()
+    given = {f.name: getattr(arm, f.name) for f in dataclasses.fields(arm) if f.init}
+    own, q = kind(**given), np.array([0.3, 0.4])
+    for _ in range(3):
+        assert np.array_equal(own.gravity(q), arm.gravity(q) + 1)
+        assert np.array_equal(own.mass_matrix(q), arm.mass_matrix(q))
+
+
+def test_help_shows_the_documentation():
+    assert "efforts that hold the arm still" in pydoc.render_doc(mcgee.arms.planar_2r().gravity)
+
+
+def test_rows_of_other_float64_dtypes_enter():
+    """Such as those that came through pickle; other byte orders and types do not."""
+    arm, entered = mcgee.load("panda"), []
+    arm.gravity(np.ones(7))
+    foreign = pickle.loads(pickle.dumps(np.ones(7)))
+    named = np.ones(7, np.dtype("f8", metadata={"unit": "rad"}))
+    general = kernels.Bound.general
+    with mock.patch.object(
+        kernels.Bound, "general", lambda *a, **k: (entered.append(a), general(*a, **k))[1]
+    ):
+        for row in (foreign, foreign.copy(), foreign + 0.0, named):
+            assert row.dtype is not np.dtype(float)
+            arm.gravity(row)
+        assert not entered
+        for row in (np.ones(7, ">f8"), np.ones(7, "i8"), np.ones(7, "f4"), np.ones(7, "u8")):
+            arm.gravity(row)
+        assert len(entered) == 4
+
+
+def test_overflow_is_reported_without_a_division():
+    arm = mcgee.arms.planar_2r(m1=1e250, m2=1e250)
+    arm.kinetic_energy(np.ones(2), np.ones(2))
+    with pytest.warns(RuntimeWarning, match="overflow"):
+        assert arm.kinetic_energy(np.ones(2), np.full(2, 1e40)) == np.inf

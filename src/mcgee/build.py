@@ -1,7 +1,7 @@
 """The one place where a mechanism and a quantity become a graph."""
 
 import gc
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
@@ -165,11 +165,18 @@ def arrays(
 
 
 def operation_counts(
-    mechanism: Mechanism, frame: str, parametric: bool = False
+    mechanism: Mechanism, frame: str, names: Sequence[str] = (), parametric: bool = False
 ) -> dict[str, dict[str, int]]:
-    """Of every quantity that exists for the mechanism, those of frames at the given one."""
+    """Of the named quantities or all that exist for the mechanism, those of frames at the given.
+
+    Raises: ValueError: a name of no quantity
+    """
+    known = PARAMETRIC if parametric else SIGNATURES
+    for name in names:
+        if name not in known:
+            raise ValueError(f"there is no quantity {name!r}; there are {', '.join(known)}.")
     counts = {}
-    for name in PARAMETRIC if parametric else SIGNATURES:
+    for name in names or known:
         options = (frame,) if name in OF_A_FRAME else ()
         try:
             program = trace(mechanism, name, *options, parametric=parametric)

@@ -59,11 +59,17 @@ class Quantity:
     def __get__(self, robot: Robot | None, owner: type) -> Callable:
         if robot is None:
             return self
-        made = robot.__dict__[self.name] = _made(robot, self.name, stub=self.stub, gives=self.gives)
+        # what a subclass puts over it must not be hidden by an entry of that name
+        is_seen = getattr(type(robot), self.name, None) is self
+        place = self.name if is_seen else f"{self.name}, overridden"
+        made = robot.__dict__.get(place)
+        if made is None:
+            made = _made(robot, self.name, stub=self.stub, gives=self.gives)
+            robot.__dict__[place] = made
         return made
 
     def __call__(self, robot: Robot, *args: Any, **kwargs: Any) -> Any:
-        return getattr(robot, self.name)(*args, **kwargs)
+        return self.__get__(robot, type(robot))(*args, **kwargs)
 
 
 def quantity(stub: F) -> F:
@@ -81,11 +87,10 @@ class quantities:  # noqa: N801
 
 
 class Bound:
-    """A quantity of a robot as a function of arrays, with one clear sentence for bad ones.
-
-    Instances that `bound` makes are of a compiled subtype where this Python has one, and answer a
-    plain single call without coming here. The rest is `general`.
-    """
+    # A quantity of a robot as a function of arrays, with one clear sentence for bad ones.
+    #
+    # Instances that `bound` makes are of a compiled subtype where this Python has one, and answer a
+    # plain single call without coming here. The rest is `general`. Their docstring is their stub's.
 
     __slots__ = (
         *("__name__", "__weakref__", "__wrapped__", "_description", "_plan"),
@@ -107,8 +112,9 @@ class Bound:
         if stub is not None:
             self.__wrapped__ = MethodType(stub, robot)
 
-    def __getattribute__(self, name: str) -> Any:
-        return super().__getattribute__("_description" if name == "__doc__" else name)
+    @property
+    def __doc__(self) -> str | None:  # type: ignore[override]
+        return self._description
 
     @property
     def ufunc(self) -> np.ufunc:
@@ -173,9 +179,11 @@ def bound(robot: Robot, name: str, *options: str) -> Bound:
 
 def compiled(robot: Robot, name: str, *options: str, single: bool = False) -> tuple[np.ufunc, int]:
     """The gufunc of a robot's quantity, compiled at most once, and the operations of a row."""
+    key = (name, options, single)
+    known = robot.__dict__.setdefault("_ufuncs", {})
+    if key in known:  # not to wait while another is compiled
+        return known[key]
     with _lock:
-        known = robot.__dict__.setdefault("_ufuncs", {})
-        key = (name, options, single)
         if key not in known:
             with build.collection_paused():
                 program = _traced(robot, name, *options)

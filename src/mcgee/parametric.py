@@ -56,10 +56,10 @@ class Parametric:
         """Those of the robot as described (10 bodies,)."""
         return self.robot.inertial_parameters
 
-    def operation_counts(self) -> dict[str, dict[str, int]]:
+    def operation_counts(self, *names: str) -> dict[str, dict[str, int]]:
         """As `Robot.operation_counts`, with the parameters as inputs."""
         refuse_symbols(self, "operation counts")
-        return operation_counts(self.mechanism, self.robot.end_frame, parametric=True)
+        return operation_counts(self.mechanism, self.robot.end_frame, names, parametric=True)
 
     def __repr__(self) -> str:
         bodies = len(self.mechanism.bodies)

@@ -458,18 +458,20 @@ class Robot:
 
         return Parametric(self)
 
-    def operation_counts(self) -> dict[str, dict[str, int]]:
+    def operation_counts(self, *names: str) -> dict[str, dict[str, int]]:
         """What one evaluation of each quantity costs, after all simplifications.
 
+        Args:
+            names: of the quantities wanted; all of them, where none is named
         Returns: by quantity, the numbers of additions ("add", subtractions among them),
             multiplications ("mul"), divisions ("div"), sign changes ("neg") and sine-cosine pairs
             ("sincos"); with fused multiply-adds, how many those are ("fma") and how many
             instructions they and the first four come to ("instructions"). Frame quantities are
             counted at `end_frame`, and what needs M⁻¹ only where M has an inverse
-        Raises: ValueError: the robot still has symbols
+        Raises: ValueError: the robot still has symbols, or a name is of no quantity
         """
         refuse_symbols(self, "operation counts")
-        return operation_counts(self.mechanism, self.end_frame)
+        return operation_counts(self.mechanism, self.end_frame, names)
 
     @quantity
     def kinetic_energy(self, q: Any, qd: Any, **ufunc: Any) -> np.ndarray:

@@ -6,6 +6,8 @@ A row's bits do not depend on its chunk, so threads change nothing but time. How
 
 from __future__ import annotations
 
+import math
+import operator
 import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -29,8 +31,11 @@ def set_num_threads(n: int | None) -> None:
     Raises: ValueError: not a positive whole number
     """
     global _chosen
-    if n is not None and (isinstance(n, bool) or not isinstance(n, int) or n < 1):
-        raise ValueError(f"num_threads is {n!r}, expected a whole number from 1, or None.")
+    if n is not None:
+        whole = hasattr(n, "__index__") and not isinstance(n, bool)
+        if not whole or operator.index(n) < 1:
+            raise ValueError(f"num_threads is {n!r}, expected a whole number from 1, or None.")
+        n = operator.index(n)
     _chosen = n
 
 
@@ -44,8 +49,8 @@ def num_threads() -> int:
     text = os.environ.get("MCGEE_NUM_THREADS", "")
     if not text:
         return _cores()
-    if not text.isascii() or not text.isdigit() or int(text) < 1:
-        raise ValueError(f"MCGEE_NUM_THREADS is {text!r}, expected a whole number from 1.")
+    if not (text.isascii() and text.isdigit() and len(text) < 10 and int(text) > 0):
+        raise ValueError(f"MCGEE_NUM_THREADS is {text[:20]!r}, expected a whole number from 1.")
     return int(text)
 
 
@@ -73,9 +78,15 @@ def run(ufunc: np.ufunc, operations: int, args: tuple, kwargs: dict[str, Any]) -
         with np.errstate(**state):  # which NumPy keeps for each thread
             ufunc(*parts, **{**kwargs, "out": into})
 
-    waiting = [_workers().submit(compute, *chunk) for chunk in chunks[1:]]
+    waiting, own = [], chunks[:1]
+    for chunk in chunks[1:]:
+        try:
+            waiting.append(_workers().submit(compute, *chunk))
+        except RuntimeError:  # the interpreter is about to end and gives no more work out
+            own.append(chunk)
     try:
-        compute(*chunks[0])
+        for chunk in own:
+            compute(*chunk)
     finally:
         failures = [future.exception() for future in waiting]
     for failure in failures:
@@ -88,11 +99,13 @@ def _plan(
     ufunc: np.ufunc, operations: int, args: tuple, kwargs: dict[str, Any]
 ) -> tuple[tuple[int, ...], int, list[tuple[int, int]], tuple[np.ndarray, ...]] | None:
     """(leading shape, axis to cut, its chunks, outputs); None where one call does as well."""
-    rows = max((a.size // max(a.shape[-1], 1) for a in args if _is_batch(a)), default=0)
-    if rows * operations < 2 * ENOUGH or kwargs.keys() - {"out", "dtype"}:
+    if not all(type(a) is np.ndarray and a.ndim for a in args):
+        return None
+    rows = max((a.size // max(a.shape[-1], 1) for a in args), default=0)
+    if rows * operations < ENOUGH // 4 or kwargs.keys() - {"out", "dtype"}:
         return None
     threads = num_threads()
-    if threads < 2 or len(args) != ufunc.nin or not all(_is_batch(a) for a in args):
+    if threads < 2 or len(args) != ufunc.nin:
         return None
     sizes, shapes = _core(ufunc)
     try:
@@ -105,14 +118,13 @@ def _plan(
     if outputs is None:
         return None
     axis = max(range(len(lead)), key=lead.__getitem__)
-    wanted = min(threads, int(np.prod(lead)) * operations // ENOUGH)
-    step = -(-lead[axis] // (wanted * GRAIN)) * GRAIN
+    wanted = min(threads, math.prod(lead) * operations // ENOUGH)
+    if wanted < 2:
+        return None
+    grain = GRAIN if lead[axis] >= wanted * GRAIN else 1
+    step = -(-lead[axis] // (wanted * grain)) * grain
     chunks = [(at, min(at + step, lead[axis])) for at in range(0, lead[axis], step)]
     return (lead, axis, chunks, outputs) if len(chunks) > 1 else None
-
-
-def _is_batch(a: Any) -> bool:
-    return type(a) is np.ndarray and a.ndim > 1
 
 
 def _core(ufunc: np.ufunc) -> tuple[list[int], list[tuple[int, ...]]]:

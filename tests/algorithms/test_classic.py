@@ -93,3 +93,15 @@ def test_what_they_are_not_for_is_refused(details):
     m = chain(5, **details)
     with pytest.raises(ValueError, match="chains of revolute joints"):
         Chain.at(m, [0.0] * len(m.bodies))
+
+
+@pytest.mark.parametrize("name", FORMULATIONS)
+def test_rotors_are_the_callers(name):
+    arm = mcgee.load("puma560")
+    m = arm.mechanism
+    q, qd, qdd = np.random.default_rng(0).normal(size=(3, m.n))
+    links = np.array(FORMULATIONS[name](Chain.at(m, q), qd, qdd), float)
+    rotors = np.array([body.armature for body in m.bodies]) * qdd
+    want = arm.inverse_dynamics(q, qd, qdd)
+    assert np.abs(rotors).max() > 0.1
+    assert np.abs(links + rotors - want).max() <= 1e-12 * np.abs(want).max()

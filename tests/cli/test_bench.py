@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 import mcgee
+from mcgee.cli import bench
 
 MCGEE = str(Path(sys.executable).with_name("mcgee"))
 
@@ -35,8 +36,6 @@ def test_formulations_of_old_beside_ours():
     rows = json.loads(run("stanford", "--counts", "--json").stdout)
     assert rows["inverse_dynamics_formulations"] == {}  # it slides
     rows = json.loads(run("puma560", "--counts", "--json").stdout)["inverse_dynamics_formulations"]
-    ours = mcgee.load("puma560").operation_counts()["inverse_dynamics"]
-    assert rows["mcgee"] == {"mul": ours["mul"], "add": ours["add"]}
     assert rows["Luh, Walker & Paul"]["published"] == {"mul": 852, "add": 738}
     out = run("puma560", "--counts", env={"COLUMNS": "80"}).stdout
     assert "66,271" in out
@@ -65,3 +64,27 @@ def test_an_unknown_robot_is_one_line():
     assert result.returncode == 2
     assert result.stderr.startswith("mcgee: error:")
     assert len(result.stderr.splitlines()) == 1
+
+
+def test_one_quantity_alone():
+    report = json.loads(run("puma560", "--counts", "--only", "gravity", "--json").stdout)
+    assert set(report) == {"robot", "unit", "quantities"}
+    assert report["quantities"] == mcgee.load("puma560").operation_counts("gravity")
+    result = run("puma560", "--counts", "--only", "weight")
+    assert result.returncode == 2
+    assert result.stderr.startswith("mcgee: error: there is no quantity 'weight'; there are mass_")
+
+
+def test_results_too_large_are_named_and_left_out(monkeypatch, capsys):
+    monkeypatch.setattr(bench, "LARGEST", 100)
+    bench.print_counts(mcgee.load("puma560"), [])
+    out = capsys.readouterr().out
+    assert "Left out: christoffel, of 216 numbers; --only christoffel asks for it." in out
+    assert "mass_matrix" in out
+
+
+def test_formulations_know_links_alone():
+    rows = bench.formulations(mcgee.load("puma560"))
+    links = mcgee.load("puma560").replace(armature={f"joint{i}": 0.0 for i in range(1, 7)})
+    ours = links.operation_counts("inverse_dynamics")["inverse_dynamics"]
+    assert rows["mcgee"] == {"mul": ours["mul"], "add": ours["add"]}

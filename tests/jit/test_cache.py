@@ -116,6 +116,11 @@ def test_targets_do_not_share_entries(folder, objects):
     assert len(objects) == len(entries(folder)) == len(set(targets().values()))
 
 
+def test_nobodys_home_means_no_cache(monkeypatch):
+    monkeypatch.setenv("MCGEE_CACHE_DIR", "~no such user/cache")
+    assert cache.directory() is None
+
+
 def test_an_empty_variable_means_no_cache(monkeypatch, objects, tmp_path):
     monkeypatch.setenv("MCGEE_CACHE_DIR", "")
     monkeypatch.setenv("HOME", str(tmp_path))

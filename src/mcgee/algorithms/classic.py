@@ -1,7 +1,8 @@
 """Inverse dynamics as it was formulated before few operations were wanted, and around that time.
 
 Five formulations that Hollerbach compared, each from matrices of its own: slow on purpose, they are
-what our counts are measured against, and oracles that share nothing with `rnea`.
+what our counts are measured against, and oracles that share nothing with `rnea`. They know links
+alone: what rotors add, armature·qdd, is the caller's.
 
 Source: Hollerbach 1980, "A recursive Lagrangian formulation of manipulator dynamics and a
 comparative study of dynamics formulation complexity", IEEE Transactions on Systems, Man, and

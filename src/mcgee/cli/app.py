@@ -136,15 +136,19 @@ def bench(
     counts: Annotated[
         bool, typer.Option("--counts", help="Count operations instead of measuring time.")
     ] = False,
+    only: Annotated[
+        list[str] | None,
+        typer.Option(metavar="QUANTITY", help="Of this quantity; can be given several times."),
+    ] = None,
     json: JsonOption = False,
 ) -> None:
     """Say what each quantity costs: nanoseconds on this machine, or operations on any."""
     with reported():
         arm = mcgee.load(robot)
         if json:
-            bench_view.print_json(arm, counts)
+            bench_view.print_json(arm, counts, only or [])
         else:
-            (bench_view.print_counts if counts else bench_view.print_times)(arm)
+            (bench_view.print_counts if counts else bench_view.print_times)(arm, only or [])
 
 
 @contextmanager

@@ -21,7 +21,10 @@ def directory() -> Path | None:
     """Where entries live: MCGEE_CACHE_DIR, or the platform's place; None where it is set empty."""
     chosen = os.environ.get("MCGEE_CACHE_DIR")
     if chosen is not None:
-        return Path(chosen).expanduser() if chosen else None
+        try:
+            return Path(chosen).expanduser() if chosen else None
+        except RuntimeError:  # ~ of nobody
+            return None
     if sys.platform == "win32":
         base = os.environ.get("LOCALAPPDATA")
         return Path(base) / "mcgee" / "cache" if base else None

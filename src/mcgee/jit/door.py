@@ -30,6 +30,8 @@ ABI_VERSIONS = (0x01000009, 0x02000000)
 # where an array object keeps what we read
 TYPE, DATA, ND, DIMENSIONS, DESCR, FLAGS = 8, 16, 24, 32, 56, 64
 CONTIGUOUS_ALIGNED = 0x101
+KIND, KIND_BITS = 24, 0xFFFFFFFF00FFFFFF - 2**64
+"""Of a dtype: letters of kind, type and byte order, flags that say nothing here, the number."""
 MOST = 8
 """Inputs and outputs a door can pass."""
 
@@ -87,6 +89,7 @@ def door_type(base: type) -> type:
     )
     _kept.append((members, slots, name, spec))
     door: type = make(ctypes.addressof(spec), (base,))
+    door.__doc__ = base.__dict__["__doc__"]  # a type that is made has None, over what its base has
     return door
 
 
@@ -158,8 +161,19 @@ def _layout_is_known() -> bool:
         and word(ND, ctypes.c_int) == 1
         and ctypes.c_int64.from_address(word(DIMENSIONS)).value == 5
         and word(DESCR) == id(np.dtype(np.float64))
+        and _kind("f8") == _kind("f8", {"a": 1})
+        and _kind("f8") not in (_kind("i8"), _kind("f4"), _kind(_SWAPPED))
         and word(FLAGS, ctypes.c_int) & CONTIGUOUS_ALIGNED == CONTIGUOUS_ALIGNED
     )
+
+
+_SWAPPED = np.dtype("f8").newbyteorder()
+
+
+def _kind(of: str | np.dtype, metadata: dict[str, int] | None = None) -> int:
+    """What the door compares of a dtype."""
+    dtype = np.dtype(of) if metadata is None else np.dtype(of, metadata=metadata)
+    return ctypes.c_int64.from_address(id(dtype) + KIND).value & KIND_BITS
 
 
 @cache
@@ -217,6 +231,8 @@ define ptr @door(ptr %self, ptr %args, i64 %nargsf, ptr %names) nounwind {{{{
   %nargs = and i64 %nargsf, {2**63 - 1}
   %count = icmp ne i64 %nargs, %nin
   %unfit = or i1 %strange, %count
+  %float64_at = getelementptr i8, ptr @float64, i64 {KIND}
+  %float64 = load i64, ptr %float64_at
   br i1 %unfit, label %general_call, label %argument
 
 argument:
@@ -233,7 +249,11 @@ array_argument:
   %row = icmp eq i32 %nd, 1
   %descr_at = getelementptr i8, ptr %a, i64 {DESCR}
   %descr = load ptr, ptr %descr_at
-  %double = icmp eq ptr %descr, @float64
+  %kind_at = getelementptr i8, ptr %descr, i64 {KIND}
+  %kind = load i64, ptr %kind_at
+  %other_bits = xor i64 %kind, %float64
+  %other_kind = and i64 %other_bits, {KIND_BITS}
+  %double = icmp eq i64 %other_kind, 0
   %flags_at = getelementptr i8, ptr %a, i64 {FLAGS}
   %flags = load i32, ptr %flags_at
   %both = and i32 %flags, {CONTIGUOUS_ALIGNED}

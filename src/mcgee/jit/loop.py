@@ -56,7 +56,7 @@ def loop_ir(program: Program, kernel: Kernel, target: Target) -> str:
     body = "\n".join(line if line.endswith(":") else f"  {line}" for line in lines)
     text = common_ir(target, in_tile)
     text += "".join(copies_ir(target, b) for b in sorted({chunk(array, w) for array in arrays}))
-    text += _tables(program, kernel)
+    text += slots_ir(kernel)
     return (
         text
         + (_PYTHON if large else "")
@@ -159,7 +159,7 @@ def _copy(array: Array, k: int, whole: str, piecewise: str, tile: str, w: int) -
     ]
 
 
-def _tables(program: Program, kernel: Kernel) -> str:
-    size = len(kernel.slots)
+def slots_ir(kernel: Kernel) -> str:
+    """`@slots`, for each element of the outputs its vector in the output tile."""
     entries = ", ".join(f"i32 {slot}" for slot in kernel.slots)
-    return f"\n@slots = internal constant [{size} x i32] [{entries}]\n"
+    return f"\n@slots = internal constant [{len(kernel.slots)} x i32] [{entries}]\n"

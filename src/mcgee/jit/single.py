@@ -14,9 +14,12 @@ from mcgee.graph.node import Node
 from mcgee.graph.program import Program
 from mcgee.jit.emit import hexadecimal
 from mcgee.jit.kernel import Kernel, kernel_ir
-from mcgee.jit.loop import STACK
+from mcgee.jit.loop import STACK, slots_ir
 from mcgee.jit.sincos import sincos_ir
 from mcgee.jit.target import Target
+
+FEW = 64
+"""Numbers up to which code for each is written out, and beyond which there is a loop."""
 
 LARGE = 1e60
 """Inputs up to which a row is computed here: from their products no overflow comes."""
@@ -55,6 +58,8 @@ def single_ir(program: Program, target: Target) -> str:
         + sincos_ir(target, "cos_sins")
         + _ONE.format(w=w, v=target.vector)
         + kernel.text
+        + _LOOPS.format(limit=_bits(sys.float_info.max))
+        + slots_ir(kernel)
         + f"\ndefine i64 @single(ptr %ins, ptr %outs) nounwind {{\n{body}\n}}\n"
     )
 
@@ -172,21 +177,66 @@ def _write(lines: _Lines, program: Program, kernel: Kernel) -> None:
     lines.append(f"call void @kernel(ptr %in, ptr {out}, ptr %work)")
     for slot, value in kernel.constants:
         lines.append(f"store double {hexadecimal(value)}, ptr {lines.at(out, slot)}, align 8")
-    divides = any(node.op == "div" for node in program.nodes)
-    unfit = lines.beyond(out, kernel.tile, sys.float_info.max) if divides else "0"
-    lines.append(f"%unfit = or i64 0, {unfit}")
+    if kernel.tile <= FEW:
+        lines.append(f"%unfit = or i64 0, {lines.beyond(out, kernel.tile, sys.float_info.max)}")
+    else:
+        lines.append(f"%unfit = call i64 @infinite(ptr {out}, i64 {kernel.tile})")
     if in_place:
         return
-    slots = iter(kernel.slots)
+    start = 0
     for pointer, array in zip(pointers, program.outputs, strict=True):
-        for i in range(array.size):
-            moved = lines.let(f"load double, ptr {lines.at(out, next(slots))}, align 8")
-            lines.append(f"store double {moved}, ptr {lines.at(pointer, i)}, align 8")
+        if array.size <= FEW:
+            for i, slot in enumerate(kernel.slots[start : start + array.size]):
+                moved = lines.let(f"load double, ptr {lines.at(out, slot)}, align 8")
+                lines.append(f"store double {moved}, ptr {lines.at(pointer, i)}, align 8")
+        else:
+            slots = lines.let(f"getelementptr i32, ptr @slots, i64 {start}")
+            arguments = f"ptr {out}, ptr {slots}, ptr {pointer}, i64 {array.size}"
+            lines.append(f"call void @move({arguments})")
+        start += array.size
 
 
 _MEMORY = """
 declare ptr @PyMem_RawMalloc(i64)
 declare void @PyMem_RawFree(ptr)
+"""
+
+_LOOPS = """
+define internal i64 @infinite(ptr %values, i64 %size) nounwind {{
+  br label %next
+next:
+  %i = phi i64 [ 0, %0 ], [ %up, %next ]
+  %found = phi i64 [ 0, %0 ], [ %all, %next ]
+  %at = getelementptr i64, ptr %values, i64 %i
+  %bits = load i64, ptr %at, align 8
+  %order = and i64 %bits, 9223372036854775807
+  %more = icmp ugt i64 %order, {limit}
+  %one = zext i1 %more to i64
+  %all = or i64 %found, %one
+  %up = add i64 %i, 1
+  %again = icmp ult i64 %up, %size
+  br i1 %again, label %next, label %done
+done:
+  ret i64 %all
+}}
+
+define internal void @move(ptr %from, ptr %slots, ptr %to, i64 %size) nounwind {{
+  br label %next
+next:
+  %i = phi i64 [ 0, %0 ], [ %up, %next ]
+  %entry = getelementptr i32, ptr %slots, i64 %i
+  %slot = load i32, ptr %entry, align 4
+  %place = zext i32 %slot to i64
+  %source = getelementptr double, ptr %from, i64 %place
+  %value = load double, ptr %source, align 8
+  %target = getelementptr double, ptr %to, i64 %i
+  store double %value, ptr %target, align 8
+  %up = add i64 %i, 1
+  %again = icmp ult i64 %up, %size
+  br i1 %again, label %next, label %done
+done:
+  ret void
+}}
 """
 
 # an angle that the program computes

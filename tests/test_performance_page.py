@@ -7,7 +7,7 @@ import pytest
 
 from mcgee import build, quantities
 from mcgee.graph.program import Program
-from robots import loaded
+from robots import built_in, loaded
 
 PAGE = (Path(__file__).parents[1] / "docs" / "performance.md").read_text()
 ROWS = {
@@ -21,6 +21,10 @@ ROWS = {
 }
 
 
+def robot(name: str):
+    return built_in(name) if name == "panda" else loaded(name)
+
+
 def row(title: str) -> list[int]:
     line = next(line for line in PAGE.splitlines() if line.startswith(f"| {title} |"))
     return [int(cell.replace(",", "")) for cell in re.findall(r"\| ([\d,]+)", line)]
@@ -31,14 +35,14 @@ def test_operations(title):
     quantity, way = ROWS[title]
     assert hasattr(quantities, way)
     for name, count in zip(("ur5", "panda", "talos"), row(title), strict=True):
-        program = build._traced(loaded(name).mechanism, quantity, way, (), False, True)
+        program = build._traced(robot(name).mechanism, quantity, way, (), False, True)
         assert program.arithmetic() == count
 
 
 def test_operations_of_derivatives_on_the_graph():
     title = "derivatives of inverse dynamics: on its graph"
     for name, count in zip(("ur5", "panda"), row(title), strict=True):
-        mechanism = loaded(name).mechanism
+        mechanism = robot(name).mechanism
         outputs = build.arrays(mechanism, "inverse_dynamics_derivatives")[1]
         tau = build.trace(mechanism, "inverse_dynamics")
         assert build._differentiated(tau, outputs).arithmetic() == count
@@ -55,5 +59,5 @@ def test_the_way_with_fewest_operations_is_taken(name):
     }.items():
         at = ("ur5", "panda", "talos").index(name)
         counts = [figures[at] for figures in map(row, titles) if at < len(figures)]
-        program: Program = build.trace(loaded(name).mechanism, quantity)
+        program: Program = build.trace(robot(name).mechanism, quantity)
         assert program.arithmetic() == min(counts)

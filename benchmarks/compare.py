@@ -45,6 +45,8 @@ PEERS = {
     "mujoco_python": "MuJoCo Python",
     "drake_python": "Drake Python",
     "adam_casadi": "adam CasADi",
+    "frax_jax": "frax (JAX)",
+    "roboticstoolbox_python": "Robotics Toolbox",
 }
 SINCOS = 44
 """Instructions of a sine and cosine of a vector."""
@@ -55,6 +57,7 @@ LONG = 100
 COLUMNS_FIRST = ("mass_matrix", "coriolis_matrix", "inverse_dynamics_derivatives")
 """Where Pinocchio's last matrix is stored so."""
 COMPILED = ("pinocchio_cpp", "casadi_c")
+WHOLE_BATCH = (*COMPILED, "frax_jax")
 GOALS = {"pinocchio_cpp": (25, 10), "casadi_c": (6, 3)}
 """Times as many rows a second: for arms, for humanoids."""
 
@@ -145,7 +148,8 @@ def row(arm: mcgee.Robot, name: str, peers: dict, options: argparse.Namespace) -
     for peer, functions in peers.items():
         if name not in functions:
             continue
-        rows = options.batch if peer in COMPILED else min(options.batch, 512)
+        most = options.batch if peer in WHOLE_BATCH else functions.get("rows", 512)
+        rows = min(options.batch, most)
         order = functions["order"] if "order" in functions else np.arange(arm.n)
         some = [np.ascontiguousarray(a[:rows, order]) for a in arrays]
         error = apart(functions[name](*some, keep=True), expected[:rows], peer, name, order)

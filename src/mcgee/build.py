@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from mcgee import quantities
-from mcgee.algorithms.frames import canonical
+from mcgee.algorithms.frames import canonical, slid
 from mcgee.algorithms.parameters import TEN, with_parameters
 from mcgee.algorithms.regroup import regrouped
+from mcgee.algorithms.turns import COMPOSITES, KINEMATICS, NEWTON_EULER, STATICS
 from mcgee.graph.differentiate import jacobian
 from mcgee.graph.node import Graph, Value
 from mcgee.graph.program import Array, Program
@@ -88,6 +89,16 @@ def width(mechanism: Mechanism, name: str) -> int:
 ALTERNATIVES = {"forward_dynamics": ("forward_dynamics_by_elimination",)}
 """Other ways to the same quantity, which may take fewer operations where joints are few."""
 
+COSTS = {
+    **dict.fromkeys(("mass_matrix", "mass_matrix_inverse"), COMPOSITES),
+    **dict.fromkeys(("gravity", "gravity_gradient"), STATICS),
+    **dict.fromkeys((*OF_A_FRAME, "link_jacobians", "link_accelerations"), KINEMATICS),
+}
+"""What tells which turns of frames save operations; Newton-Euler's for the rest."""
+
+IN_OWN_AXES = ("link_poses", "regressor")
+"""Their results are in the axes of bodies or links: frames are not turned."""
+
 SHORT, FEW = 40, 8
 """Joints up to which ways of higher order are tried: elimination, and derivatives of the graph."""
 
@@ -136,9 +147,16 @@ def _traced(
     nodes = [graph.inputs(array.name, array.size) for array in inputs]
     model = with_parameters(mechanism, nodes.pop()) if parametric else mechanism
     if regroup:
-        model = regrouped(model if parametric else canonical(model))
+        model = regrouped(model if parametric else _with_frames(model, quantity))
     result = getattr(quantities, way)(model, *nodes, *options)
     return Program(quantity, inputs, outputs, tuple(_flat(result)))
+
+
+def _with_frames(mechanism: Mechanism, quantity: str) -> Mechanism:
+    """The mechanism with its frames where the quantity takes few operations."""
+    if quantity in IN_OWN_AXES:
+        return slid(mechanism)
+    return canonical(mechanism, COSTS.get(quantity, NEWTON_EULER))
 
 
 def arrays(

@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from mcgee import quantities
-from mcgee.algorithms.frames import canonical
+from mcgee.algorithms.frames import canonical, slid
 from mcgee.algorithms.parameters import TEN, with_parameters
 from mcgee.algorithms.regroup import regrouped
+from mcgee.algorithms.turns import COMPOSITES, NEWTON_EULER, STATICS
 from mcgee.graph.differentiate import jacobian
 from mcgee.graph.node import Graph, LimitError, Value
 from mcgee.graph.program import LONG, Array, Program
@@ -88,6 +89,16 @@ def width(mechanism: Mechanism, name: str) -> int:
 ALTERNATIVES = {"forward_dynamics": ("forward_dynamics_by_elimination",)}
 """Other ways to the same quantity, which may take fewer operations where joints are few."""
 
+COSTS = {
+    **dict.fromkeys(("mass_matrix", "mass_matrix_inverse"), COMPOSITES),
+    **dict.fromkeys(("gravity", "gravity_gradient"), STATICS),
+}
+"""What tells which turns of frames save operations; Newton-Euler's for the rest."""
+
+SLID_ALONE = (*OF_A_FRAME, "link_poses", "link_jacobians", "link_accelerations", "regressor")
+"""Whose frames are not turned: the regressor is in the bodies' axes, and in poses of links the
+rounding of turned constants would be seen: 3.1 units of a general arm's last place, not 1.3."""
+
 SHORT, FEW = 40, 8
 """Joints up to which ways of higher order are tried: elimination, and derivatives of the graph."""
 
@@ -133,7 +144,7 @@ def _traced(
 ) -> Program:
     inputs, outputs = arrays(mechanism, quantity, parametric)
     if regroup and not parametric:
-        mechanism = regrouped(canonical(mechanism))
+        mechanism = regrouped(_with_frames(mechanism, quantity))
 
     def on(graph: Graph) -> Program:
         nodes = [graph.inputs(array.name, array.size) for array in inputs]
@@ -147,6 +158,13 @@ def _traced(
         return on(Graph(limit=LONG))
     except LimitError:
         return on(Graph(signed=True))
+
+
+def _with_frames(mechanism: Mechanism, quantity: str) -> Mechanism:
+    """The mechanism with its frames where the quantity takes few operations."""
+    if quantity in SLID_ALONE:
+        return slid(mechanism)
+    return canonical(mechanism, COSTS.get(quantity, NEWTON_EULER))
 
 
 def arrays(

@@ -13,7 +13,7 @@ from functools import cached_property
 from types import MappingProxyType
 
 from mcgee.model import Frame, Inertia, Joint, Link, Pose, Vec3, frame_on_axis, map_numbers
-from mcgee.scalar import Scalar
+from mcgee.scalar import Scalar, Turn, cos_sin
 
 GROUND = -1
 
@@ -37,6 +37,15 @@ class Body:
     """Joint position = multiplier * q[coordinate]; a mimic's offset is part of the pose."""
     link: str
     """The link that the joint moves."""
+    offset: Turn | None = None
+    """The pose turns the frame by this less than it is turned at joint position zero."""
+
+    def position(self, q: Scalar) -> Scalar:
+        """What the joint's frame is turned or slid by, from its pose on.
+
+        The offset turns (cos q, sin q): the angle itself would be rounded, and no longer an input.
+        """
+        return q if self.offset is None else Turn(*cos_sin(q)) + self.offset
 
 
 @dataclass(frozen=True)

@@ -52,7 +52,7 @@ class Chain:
         dA: list[Rows] = []
         ddA: list[Rows] = []
         for body, q_i in zip(bodies, q, strict=True):
-            c, s = cos_sin(q_i)
+            c, s = cos_sin(body.position(q_i))
             turns = ((c, -s, 1), (-s, -c, 0), (-c, s, 0))
             for matrices, (x, y, z) in zip((A, dA, ddA), turns, strict=True):
                 R, r = body.pose.rotation, body.pose.translation

@@ -1,20 +1,45 @@
-"""The frames of bodies placed so that few of the lengths between them are not zero."""
+"""The frames of bodies placed so that few of the numbers between them are not zero."""
 
 from collections.abc import Sequence
 from dataclasses import replace
+from fractions import Fraction
 from types import MappingProxyType
 
 from mcgee.algorithms.spatial import Vector, shifted
 from mcgee.algorithms.tree import inertia
+from mcgee.algorithms.turns import NEWTON_EULER, Choice, Costs
 from mcgee.mechanism import GROUND, Body, Mechanism
 from mcgee.model import Pose, Vec3
+from mcgee.scalar import Scalar
 
 NOTHING = 4 * 2.0**-52
 """Of the lengths in a sum, what is left of it by rounding alone."""
 
 
-def canonical(mechanism: Mechanism) -> Mechanism:
-    """The same mechanism with the origins of its revolute joints' frames slid along their axes.
+def canonical(mechanism: Mechanism, costs: Costs = NEWTON_EULER) -> Mechanism:
+    """The same mechanism with its joints' frames where few numbers lie between them.
+
+    Origins slide along the joints' axes and frames turn about them. Slid first, so that the choice
+    of turns sees which lengths are left; and again, for turned frames let more of them vanish.
+    Where frames turn, each number of the result is computed exactly and rounded once.
+    """
+    slides = _slides(mechanism)
+    first = _slid(mechanism, slides)
+    choice = Choice(first, costs)
+    if not any(k != 0 for k in choice.chosen):
+        return first
+    exact = choice.applied(_slid(mechanism.map(Fraction), list(map(Fraction, slides))))
+    again = _slides(exact.map(float))
+    return _slid(exact, list(map(Fraction, again))).map(float)
+
+
+def slid(mechanism: Mechanism) -> Mechanism:
+    """The same mechanism with the origins of its revolute joints' frames slid along their axes."""
+    return _slid(mechanism, _slides(mechanism))
+
+
+def _slides(mechanism: Mechanism) -> list[float]:
+    """How far each origin slides.
 
     Where along its axis a joint's frame lies is free: Denavit and Hartenberg put it at common
     normals. Here each origin in turn, alone or with those of the parallel axes it carries, goes
@@ -36,7 +61,7 @@ def canonical(mechanism: Mechanism) -> Mechanism:
                 found = _best(bodies, moving, slides, reach)
                 if found != slides:
                     slides, better = found, True
-    return _slid(mechanism, slides)
+    return slides
 
 
 def _parallel(bodies: Sequence[Body], i: int) -> dict[int, float]:
@@ -67,16 +92,16 @@ def _best(
     return best
 
 
-def _offset(bodies: Sequence[Body], i: int, slides: Sequence[float]) -> Vec3:
+def _offset(bodies: Sequence[Body], i: int, slides: Sequence[Scalar]) -> Vec3:
     """Where body i's origin is in its parent's frame, both slid."""
     body = bodies[i]
-    up = slides[body.parent] if body.parent != GROUND else 0.0
+    up = slides[body.parent] if body.parent != GROUND else 0
     parts = [
-        (r, row[2] * slides[i], -up if axis == 2 else 0.0)
+        (r, row[2] * slides[i], -up if axis == 2 else 0)
         for axis, (r, row) in enumerate(zip(body.pose.translation, body.pose.rotation, strict=True))
     ]
     scale = max(abs(x) for part in parts for x in part)
-    x, y, z = (s if abs(s := sum(part)) > NOTHING * scale else 0.0 for part in parts)
+    x, y, z = (s if abs(s := sum(part)) > NOTHING * scale else s * 0 for part in parts)
     return x, y, z
 
 
@@ -108,8 +133,8 @@ def _steps(
     return found
 
 
-def _slid(mechanism: Mechanism, slides: Sequence[float]) -> Mechanism:
-    back = [Pose.at(z=-slide) for slide in slides]
+def _slid(mechanism: Mechanism, slides: Sequence[Scalar]) -> Mechanism:
+    back = [Pose(((1, 0, 0), (0, 1, 0), (0, 0, 1)), (0, 0, -slide)) for slide in slides]
     bodies = []
     for i, body in enumerate(mechanism.bodies):
         own = shifted(inertia(body), Vector(0, 0, -slides[i]))

@@ -16,7 +16,7 @@ def body_poses(mechanism: Mechanism, q: Sequence[Scalar]) -> list[Pose]:
         if body.prismatic:
             poses.append(pose @ Pose(((1, 0, 0), (0, 1, 0), (0, 0, 1)), (0, 0, q_i)))
         else:
-            c, s = cos_sin(q_i)
+            c, s = cos_sin(body.position(q_i))
             poses.append(pose @ Pose(((c, -s, 0), (s, c, 0), (0, 0, 1)), (0, 0, 0)))
     return poses
 

@@ -18,7 +18,8 @@ from mcgee.scalar import Scalar
 def transforms(mechanism: Mechanism, q: Sequence[Scalar]) -> list[JointTransform]:
     """X of each body at the joint positions q."""
     return [
-        JointTransform(b.pose, b.prismatic, q_i) for b, q_i in zip(mechanism.bodies, q, strict=True)
+        JointTransform(b.pose, b.prismatic, b.position(q_i))
+        for b, q_i in zip(mechanism.bodies, q, strict=True)
     ]
 
 

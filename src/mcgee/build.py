@@ -143,26 +143,31 @@ def _traced(
     regroup: bool,
 ) -> Program:
     inputs, outputs = arrays(mechanism, quantity, parametric)
-    if regroup and not parametric:
-        mechanism = regrouped(_with_frames(mechanism, quantity))
 
     def on(graph: Graph) -> Program:
         nodes = [graph.inputs(array.name, array.size) for array in inputs]
         model = with_parameters(mechanism, nodes.pop()) if parametric else mechanism
-        if regroup and parametric:
+        if not parametric and regroup:
+            model = _with_frames(mechanism, quantity, turned=not graph.signed)
+        if regroup:
             model = regrouped(model)
         result = getattr(quantities, way)(model, *nodes, *options)
         return Program(quantity, inputs, outputs, tuple(_flat(result)))
 
     try:
-        return on(Graph(limit=LONG))
+        program = on(Graph(limit=2 * LONG))  # some nodes turn out not to be needed
     except LimitError:
         return on(Graph(signed=True))
+    return program if len(program.nodes) <= LONG else on(Graph(signed=True))
 
 
-def _with_frames(mechanism: Mechanism, quantity: str) -> Mechanism:
-    """The mechanism with its frames where the quantity takes few operations."""
-    if quantity in SLID_ALONE:
+def _with_frames(mechanism: Mechanism, quantity: str, turned: bool) -> Mechanism:
+    """The mechanism with its frames where the quantity takes few operations.
+
+    Args:
+        turned: not where joints should be alike, which turns make less so
+    """
+    if quantity in SLID_ALONE or not turned:
         return slid(mechanism)
     return canonical(mechanism, COSTS.get(quantity, NEWTON_EULER))
 

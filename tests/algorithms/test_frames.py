@@ -110,7 +110,7 @@ def counted(m: Mechanism, name: str, monkeypatch: pytest.MonkeyPatch) -> tuple[i
     options = (list(m.frames)[-1],) if name in build.OF_A_FRAME else ()
     turned = build.trace(m, name, *options).arithmetic()
     with monkeypatch.context() as patch:
-        patch.setattr(build, "_with_frames", lambda model, _: slid(model))
+        patch.setattr(build, "_with_frames", lambda model, *_, **__: slid(model))
         return build.trace(m, name, *options).arithmetic(), turned
 
 

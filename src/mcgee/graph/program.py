@@ -13,7 +13,7 @@ import numpy as np
 
 from mcgee.graph.node import OPERATIONS, Node, Value
 
-LONG = 40_000
+LONG = 60_000
 """Nodes from which on a program is cut where it repeats, and should repeat."""
 
 

@@ -25,13 +25,14 @@ MAY_IMPORT = {
     "threads": [],
     "kernels": ["build", "graph", "jit", "threads", "mechanism"],
     "parametric": ["build", "kernels", "mechanism", "robot"],
-    "robot": [  # explain and parametric when asked
-        *("algorithms", "build", "explain", "kernels", "mechanism", "model", "parametric"),
-        *("scalar", "validate"),
+    "robot": [  # closed_form, explain and parametric when asked
+        *("algorithms", "build", "closed_form", "explain", "kernels", "mechanism", "model"),
+        *("parametric", "scalar", "validate"),
     ],
     "formats": ["arms", "model", "robot", "scalar", "validate"],  # arms by name, when asked
     "arms": ["formats", "model", "robot", "scalar"],
     "typeset": [],
+    "closed_form": ["algorithms", "mechanism", "model", "quantities", "robot", "scalar"],
     "explain": ["mechanism", "model", "quantities", "robot", "typeset"],
     "audit": ["robot"],
     "cli": ["algorithms", "audit", "explain", "robot", "typeset"],  # algorithms: classic ones
@@ -103,5 +104,5 @@ def test_import_is_light():
     """`import mcgee` loads neither the compiler nor parsers nor plotting."""
     code = "import sys, mcgee; print(*sys.modules)"
     loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout
-    heavy = {"llvmlite", "lxml", "sympy", "typer", "rich", "scipy", "plotly"}
+    heavy = {"llvmlite", "lxml", "sympy", "flint", "typer", "rich", "scipy", "plotly"}
     assert not heavy & set(loaded.split())

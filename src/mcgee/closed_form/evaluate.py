@@ -1,0 +1,48 @@
+"""Polynomials as NumPy functions."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from sympy import Symbol
+
+from mcgee.closed_form.ring import Polynomial, Ring
+
+
+def values_of(ring: Ring, values: Mapping[Symbol, Any]) -> list[Any]:
+    """The value of each generator, numbers or arrays of one shape.
+
+    Raises: ValueError: a symbol without a value
+    """
+
+    def of(symbol: Symbol) -> Any:
+        if symbol not in values:
+            raise ValueError(
+                f"symbol '{symbol}' has no value. Give one in values={{'{symbol}': …}}."
+            )
+        return values[symbol]
+
+    found: list[Any] = []
+    for angle in ring.angles.forms:
+        total = sum(float(k) * of(s) for s, k in angle)
+        found += [np.sin(total), np.cos(total)]
+    needed = [of(s) for s in ring.symbols]
+    found += needed
+    found += [1 / of(s) for s in ring.inverses]
+    return found + [math.sqrt(p) for p in ring.roots]
+
+
+def evaluate(x: Polynomial, generators: list[Any]) -> Any:
+    """The value of a polynomial at values of the generators."""
+    if not x:
+        return 0.0
+    monomials = np.array([[int(e) for e in m] for m in x.p.monoms()])
+    total = np.array([float(Fraction(int(c.p), int(c.q))) for c in x.p.coeffs()])
+    for i in np.flatnonzero(monomials.any(axis=0)):
+        powers = np.asarray(generators[i])[..., None] ** monomials[:, i]
+        total = total * powers
+    return total.sum(axis=-1)

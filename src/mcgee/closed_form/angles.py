@@ -57,8 +57,11 @@ class Basis:
                 parts.append(1)
                 continue
             fractions = [lcm(d, r.denominator) for d, r in zip(parts, found, strict=False)]
-            everything = [r * d for row in (*dependent, found) for r, d in zip(row, fractions)]  # noqa: B905
-            if max(map(abs, (*everything, *fractions))) > LARGEST_MULTIPLE:
+            rows = (*dependent, found)
+            multiples: list[Fraction | int] = [
+                abs(r) * d for row in rows for r, d in zip(row, fractions, strict=False)
+            ]
+            if max(*multiples, *fractions) > LARGEST_MULTIPLE:
                 loose.append(f)
             else:
                 dependent.append(found)
@@ -77,6 +80,11 @@ class Basis:
         if found is None or any(r.denominator != 1 for r in found):
             raise ValueError(f"angle {f} is not among those of the ring.")
         return [(i, int(r)) for i, r in enumerate(found) if r]
+
+
+def _largest(rows: Iterable[Sequence[Fraction]], fractions: Sequence[int]) -> Fraction:
+    """The largest multiple, once the basis is divided so."""
+    return max(abs(r) * d for row in rows for r, d in zip(row, fractions, strict=False))
 
 
 def _coordinates(f: Form, basis: Sequence[Form]) -> list[Fraction] | None:

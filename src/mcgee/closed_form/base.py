@@ -14,9 +14,10 @@ import random
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from typing import NoReturn, TypeAlias
 
 import sympy
-from flint import fmpq, fmpq_mat, nmod_mat
+from flint import fmpq, fmpq_mat, fmpz, nmod_mat
 from sympy import Expr, Symbol
 
 from mcgee import quantities as on
@@ -26,9 +27,12 @@ from mcgee.closed_form.exact import PARAMETERS, ExactRobot
 from mcgee.closed_form.expression import Writer
 from mcgee.closed_form.lumps import Lumps
 from mcgee.closed_form.proof import Identity, identity
+from mcgee.closed_form.reading import Reader
 from mcgee.closed_form.ring import Polynomial, Ring
 from mcgee.mechanism import Mechanism
 from mcgee.scalar import Scalar
+
+Factor: TypeAlias = Fraction | Expr
 
 REVOLUTE, PRISMATIC = (1, 2, 4, 5, 7, 8, 9), (0, 1, 2, 3)
 """Of a body's ten parameters, those that the general rules leave; revolute: Ixx stands for
@@ -40,7 +44,7 @@ class BaseParameter:
     """One combination that the efforts depend on."""
 
     name: str
-    """Of the parameter that carries the others: Izz2, of the second body."""
+    """IzzR2: the regrouped Izz of the second body."""
     joint: str
     """Whose body it is; in the axes of the joint's frame."""
     formula: Expr
@@ -78,14 +82,14 @@ def base_parameters(e: ExactRobot) -> BaseParameters:
     for c in base:
         total, extra = grouped[c], sympy.Integer(0)
         for d, factors in others.items():
-            factor = factors.get(c)
-            if isinstance(factor, Fraction):
+            factor = _in_ring(e.ring, factors.get(c, Fraction(0)))
+            if factor is not None:
                 total = total + grouped[d] * factor
-            elif factor is not None:
-                extra += factor * writer.write(e.ring(grouped[d]), "expanded", Lumps())
+            else:
+                extra += factors[c] * writer.write(e.ring(grouped[d]), "expanded", Lumps())
         total = e.ring(total)
         formula = writer.write(total, "expanded", Lumps()) + sympy.expand(extra)
-        found.append(BaseParameter(_name(c), light.bodies[c // TEN].name, formula, c))
+        found.append(BaseParameter(_regrouped_name(c), light.bodies[c // TEN].name, formula, c))
         sums.append(None if extra else total)
     result = BaseParameters(found)
     result.unseen = tuple(_name(d) for d, factors in others.items() if not factors)
@@ -95,6 +99,24 @@ def base_parameters(e: ExactRobot) -> BaseParameters:
 
 def _name(column: int) -> str:
     return f"{PARAMETERS[column % TEN]}{column // TEN + 1}"
+
+
+def _regrouped_name(column: int) -> str:
+    return f"{PARAMETERS[column % TEN]}R{column // TEN + 1}"
+
+
+def _in_ring(ring: Ring, factor: Factor) -> Scalar | None:
+    """A factor as a polynomial, None where it is none."""
+    if isinstance(factor, Fraction):
+        return factor
+    try:
+        return Reader(ring, {}, _refuse).number(factor)
+    except (KeyError, ValueError):  # it needs what the ring has not
+        return None
+
+
+def _refuse(x: object) -> NoReturn:
+    raise ValueError(f"{x} is no polynomial")
 
 
 def _light(e: ExactRobot) -> Mechanism:
@@ -134,8 +156,6 @@ def _identity(
 
 # -- relations among the regressor's columns ------------------------------------------------------
 
-Factor = Fraction | Expr
-
 
 def _relations(
     e: ExactRobot, light: Mechanism, columns: Sequence[int]
@@ -174,7 +194,7 @@ def _samples(e: ExactRobot, light: Mechanism, columns: Sequence[int]) -> list[li
     names = e.ring.context.names()
     moving = {*e.q, *e.qd, *e.qdd}
     for _ in range(len(columns) // e.mechanism.n + 3):
-        values: dict[str, fmpq] = {}
+        values: dict[str | int, int | fmpz | fmpq] = {}
         for i, angle in enumerate(e.ring.angles.forms):
             if any(s in moving for s, _ in angle):
                 t = fmpq(draw.randint(1, 30), draw.randint(1, 30))
@@ -183,7 +203,7 @@ def _samples(e: ExactRobot, light: Mechanism, columns: Sequence[int]) -> list[li
         for s in moving & set(e.ring.at):
             values[names[e.ring.at[s]]] = fmpq(draw.randint(-30, 30), draw.randint(1, 9))
 
-        def put(x: Scalar, values: dict[str, fmpq] = values) -> Scalar:
+        def put(x: Scalar, values: dict[str | int, int | fmpz | fmpq] = values) -> Scalar:
             return e.ring.element(x.p.subs(values)) if isinstance(x, Polynomial) else x
 
         qd, qdd = (list(map(put, rates)) for rates in e.rates)

@@ -36,17 +36,14 @@ class Dynamics:
     @cached_property
     def slopes(self) -> list[Rows]:
         """∂M_ij/∂q_k at [k][i][j]."""
-        return [
-            _symmetric(self.n, lambda i, j, s=s: self.M[i][j].derivative(s))  # type: ignore[misc]
-            for s in self.q
-        ]
+        return [_symmetric(self.n, lambda i, j, s=s: self.M[i][j].derivative(s)) for s in self.q]
 
     @cached_property
     def christoffel(self) -> list[Rows]:
         """c_ijk = ½(∂M_ij/∂q_k + ∂M_ik/∂q_j − ∂M_jk/∂q_i)."""
         dM = self.slopes
         return [
-            _symmetric(self.n, lambda j, k, i=i: (dM[k][i][j] + dM[j][i][k] - dM[i][j][k]) / 2)  # type: ignore[misc]
+            _symmetric(self.n, lambda j, k, i=i: (dM[k][i][j] + dM[j][i][k] - dM[i][j][k]) / 2)
             for i in range(self.n)
         ]
 

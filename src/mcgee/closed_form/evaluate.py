@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -36,13 +35,22 @@ def values_of(ring: Ring, values: Mapping[Symbol, Any]) -> list[Any]:
     return found + [math.sqrt(p) for p in ring.roots]
 
 
+class Compiled:
+    """A polynomial's coefficients and exponents, ready to be evaluated often."""
+
+    def __init__(self, x: Polynomial):
+        self.coefficients = np.array([int(c.p) / int(c.q) for c in x.p.coeffs()])
+        monomials = np.array([[int(e) for e in m] for m in x.p.monoms()], np.int64)
+        used = np.flatnonzero(monomials.any(axis=0)) if len(monomials) else ()
+        self.exponents = [(int(i), monomials[:, i]) for i in used]
+
+    def __call__(self, generators: list[Any]) -> Any:
+        """Its value at values of the generators."""
+        total: Any = self.coefficients
+        for i, exponents in self.exponents:
+            total = total * np.asarray(generators[i])[..., None] ** exponents
+        return total.sum(axis=-1)
+
+
 def evaluate(x: Polynomial, generators: list[Any]) -> Any:
-    """The value of a polynomial at values of the generators."""
-    if not x:
-        return 0.0
-    monomials = np.array([[int(e) for e in m] for m in x.p.monoms()])
-    total = np.array([float(Fraction(int(c.p), int(c.q))) for c in x.p.coeffs()])
-    for i in np.flatnonzero(monomials.any(axis=0)):
-        powers = np.asarray(generators[i])[..., None] ** monomials[:, i]
-        total = total * powers
-    return total.sum(axis=-1)
+    return Compiled(x)(generators)

@@ -74,12 +74,12 @@ def exact(robot: Robot, symbolic_inertias: bool = False) -> ExactRobot:
     q, qd, qdd = (tuple(Symbol(f"{x}{i + 1}") for i in range(n)) for x in ("q", "qd", "qdd"))
     constants: dict[Symbol, float] = {}
     needs = Needs()
-    _read(robot, Reader(needs, constants, _refuse(robot)))
+    _read(robot, Reader(needs, constants, _refuse(robot), robot.symbols))
     count = len(robot.mechanism.bodies) if symbolic_inertias else 0
     inertial = tuple(Symbol(f"{x}{i + 1}") for i in range(count) for x in PARAMETERS)
-    _check_names(robot, needs, (*q, *qd, *qdd, *constants, *inertial))
+    _check_names(robot, (*q, *qd, *qdd, *inertial))
     small = needs.ring(symbols=inertial)
-    mechanism = _reduced(robot, Reader(small, constants, _refuse(robot)))
+    mechanism = _reduced(robot, Reader(small, constants, _refuse(robot), robot.symbols))
     if symbolic_inertias:
         mechanism = with_parameters(mechanism, [small.symbol(s) for s in inertial])
     places = _placed(mechanism, q)
@@ -103,15 +103,12 @@ def _refuse(robot: Robot) -> Any:
     return refuse
 
 
-def _check_names(robot: Robot, needs: Needs, own: Sequence[Symbol]) -> None:
-    theirs = {str(s) for s in (*needs.symbols, *(s for a in needs.angles for s, _ in a))}
-    named = {str(s) for s in own}
-    clash = sorted((theirs & named) - {str(s) for s in own if s in set(needs.symbols)})
-    clash = [c for c in clash if not c.startswith("phi") or c not in named]
+def _check_names(robot: Robot, own: Sequence[Symbol]) -> None:
+    clash = [str(s) for s in own if str(s) in robot.symbols]
     if clash:
         raise ValueError(
             f"robot '{robot.name}' has the symbol '{clash[0]}', which closed_form() uses itself. "
-            f"Give the parameter another name with robot.subs({{'{clash[0]}': …}})."
+            f"Give the parameter another one: robot.subs({{'{clash[0]}': sympy.Symbol('p')}})."
         )
 
 

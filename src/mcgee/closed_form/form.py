@@ -16,7 +16,7 @@ from mcgee.closed_form.base import BaseParameters, base_parameters
 from mcgee.closed_form.compare import compared
 from mcgee.closed_form.definite import definiteness
 from mcgee.closed_form.dynamics import Dynamics
-from mcgee.closed_form.evaluate import evaluate, values_of
+from mcgee.closed_form.evaluate import Compiled, values_of
 from mcgee.closed_form.exact import ExactRobot, exact
 from mcgee.closed_form.expression import WAYS, Writer
 from mcgee.closed_form.lumps import Lumps
@@ -84,6 +84,7 @@ class ClosedForm:
             raise ValueError(f"simplify is {simplify!r}, expected one of: {', '.join(WAYS)}.")
         self.name, self.exact, self.simplify = name, dynamics, simplify
         self._robot = robot
+        self._compiled: dict[str, list[Compiled]] = {}
         self._writer = Writer(dynamics.ring, dynamics.q, (*dynamics.qd, *dynamics.qdd))
 
     # -- what it is in ----------------------------------------------------------------------------
@@ -211,7 +212,8 @@ class ClosedForm:
         Returns: (...), (..., n), (..., n, n) or (..., n, n, n)
         Raises: ValueError: an unknown quantity, a wrong shape, a symbol without a value
         """
-        found = self._flat(quantity)
+        if quantity not in self._compiled:
+            self._compiled[quantity] = [Compiled(x) for x in self._flat(quantity)]
         table: dict[Symbol, Any] = dict(self.constants)
         table |= {s: float(v) for s, v in self._by_symbol(values or {}).items()}
         q = np.asarray(q, float)
@@ -224,7 +226,7 @@ class ClosedForm:
             table |= dict(zip(symbols, np.moveaxis(array, -1, 0), strict=True))
         generators = values_of(self.exact.ring, table)
         lead = q.shape[:-1]
-        entries = [np.broadcast_to(evaluate(x, generators), lead) for x in found]
+        entries = [np.broadcast_to(x(generators), lead) for x in self._compiled[quantity]]
         shape = np.shape(np.empty([self.n] * _depth(getattr(self.exact, quantity))))
         return np.stack(entries, -1).reshape(*lead, *shape)
 
@@ -246,13 +248,12 @@ class ClosedForm:
         Returns: the identities by position or name, true where all hold; print() it. Each has its
             two sides' numbers of terms and their `differences`, which are the polynomial 0
         """
-        found: list[Any] = list(identities.of_any(self.exact))
-        if self._robot is not None:
-            found = [*identities.of_robot(self._robot, self.exact), *found]
-        found += identities.still(self.exact)
-        if self._robot is not None:
-            found.append(definiteness(self._robot, self.exact))
-        return Proof(found)
+        d, robot = self.exact, self._robot
+        if robot is None:
+            return Proof([*identities.of_any(d, d.tau), *identities.still(d)])
+        tau = identities.newton_euler(robot)
+        found = [*identities.of_robot(robot, d, tau), *identities.of_any(d, tau)]
+        return Proof([*found, *identities.still(d), definiteness(robot, d)])
 
     def compare(self, other: ClosedForm) -> Proof:
         """Whether M, C qd and g are the other's, exactly; symbols of one name are the same.

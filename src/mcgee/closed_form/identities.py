@@ -15,10 +15,9 @@ from mcgee.closed_form.proof import Identity, identity
 from mcgee.closed_form.ring import Polynomial
 
 
-def of_any(d: Dynamics) -> Iterator[Identity]:
-    """What M, C, T, P and g must satisfy wherever they come from."""
-    n = d.n
-    qd = [d.ring.symbol(s) for s in d.qd]
+def of_any(d: Dynamics, tau: Row) -> Iterator[Identity]:
+    """What M, C, T and P must satisfy wherever they come from; tau: the efforts."""
+    n, qd = d.n, [d.ring.symbol(s) for s in d.qd]
     Mdot = [
         [_dot(d, qd, [d.slopes[k][i][j] for k in range(n)]) for j in range(n)] for i in range(n)
     ]
@@ -28,36 +27,37 @@ def of_any(d: Dynamics) -> Iterator[Identity]:
         _flat(Mdot),
         (d.C[i][j] + d.C[j][i] for i in range(n) for j in range(n)),
     )
-    yield identity(
-        "gravity", "g = ∂P/∂q", d.g, (d.P.derivative(s) for s in d.q), "P by itself, not from g."
-    )
     twice = _dot(d, qd, [_dot(d, qd, row) for row in d.M])
-    yield identity("kinetic energy", "T = ½ qdᵀ M qd", [d.T], [twice / 2], "T from velocities.")
-    hessian = [[d.T.derivative(a).derivative(b) for b in d.qd] for a in d.qd]
-    yield identity("inertia", "M = ∂²T/∂qd∂qd", _flat(d.M), _flat(hessian))
+    yield identity("kinetic energy", "T = ½ qdᵀ M qd", [d.T], [twice / 2])
+    yield identity("power", "dE/dt = d(T + P)/dt = qdᵀ tau", [_energy_rate(d)], [_dot(d, qd, tau)])
 
 
-def of_robot(e: ExactRobot, d: Dynamics) -> Iterator[Identity]:
-    """What they must satisfy besides, against Newton and Euler's recursion."""
-    ring, n = e.ring, d.n
-    qd, qdd = e.rates
-    tau = [ring(x) for x in on.inverse_dynamics(e.mechanism, e.at_rest, qd, qdd)]
-    columns = [[tau[i].derivative(s) for s in e.qdd] for i in range(n)]
-    pairs = list(combinations(range(n), 2))
+def of_robot(e: ExactRobot, d: Dynamics, tau: Row) -> Iterator[Identity]:
+    """What they must satisfy besides: tau is Newton and Euler's, T and P sums over the links, g the
+    moment of the links' weights, M of composite bodies."""
+    columns = [[x.derivative(s) for s in e.qdd] for x in tau]
+    pairs = list(combinations(range(d.n), 2))
     yield identity(
         "symmetric",
         "M_ij = M_ji, column j being the efforts that qdd_j asks of Newton and Euler",
         (columns[i][j] for i, j in pairs),
         (columns[j][i] for i, j in pairs),
     )
+    hessian = [[d.T.derivative(a).derivative(b) for b in d.qd] for a in d.qd]
+    yield identity("inertia", "M = ∂²T/∂qd∂qd", _flat(d.M), _flat(hessian))
+    yield identity("gravity", "g = ∂P/∂q", d.g, (d.P.derivative(s) for s in d.q))
     yield identity("Newton-Euler", "M qdd + C qd + g = tau of Newton and Euler", d.tau, tau)
-    yield identity("power", "dE/dt = qdᵀ tau", [_energy_rate(d)], [_dot(d, qd, tau)])
     yield identity(
         "linear",
         "tau = Y π + armature qdd, linear in the inertial parameters π",
         tau,
-        _by_parameters(e, qd, qdd),
+        _by_parameters(e, *e.rates),
     )
+
+
+def newton_euler(e: ExactRobot) -> Row:
+    """The efforts by the recursion."""
+    return [e.ring(x) for x in on.inverse_dynamics(e.mechanism, e.at_rest, *e.rates)]
 
 
 def still(d: Dynamics) -> Iterator[Identity]:

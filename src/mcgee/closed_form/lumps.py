@@ -17,6 +17,7 @@ class Lumps:
     def __init__(self, letter: str = "a"):
         self.letter = letter
         self.named: dict[Symbol, Sum] = {}
+        self._starting: dict[Factors, list[Symbol]] = {}  # lumps by their first term
 
     def learn(self, sums: list[Sum]) -> None:
         """Name what the sums need, short ones first, so that long ones are written by them."""
@@ -25,11 +26,14 @@ class Lumps:
 
     def write(self, given: Sum) -> dict[Symbol | None, Fraction]:
         """The sum as Σ factor · lump, a plain number under None; what is missing gets a name."""
-        rest, written = dict(given), {}
+        rest = dict(given)
+        written: dict[Symbol | None, Fraction] = {}
         number = rest.pop(NOTHING, None)
         if number is not None:
             written[None] = number
-        for symbol, lump in reversed(self.named.items()):
+        near = {symbol: None for key in rest for symbol in self._starting.get(key, ())}
+        for symbol in near:
+            lump = self.named[symbol]
             factor = _contained(lump, rest)
             if factor is None:
                 continue
@@ -44,6 +48,7 @@ class Lumps:
             symbol = Symbol(f"{self.letter}{len(self.named) + 1}")
             size = _content(rest)
             self.named[symbol] = {key: value / size for key, value in rest.items()}
+            self._starting.setdefault(next(iter(rest)), []).insert(0, symbol)
             written[symbol] = size
         return written
 

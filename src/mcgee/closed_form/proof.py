@@ -5,7 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+from mcgee.closed_form.expression import Writer
+from mcgee.closed_form.lumps import Lumps
 from mcgee.closed_form.ring import Polynomial
+
+LONG = 12
+"""Terms beyond which a difference is not written out."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +43,7 @@ class Identity:
         example = next(d for d in self.differences if d)
         return (
             f"FALSE     {self.statement}: {wrong} of {len(self.differences)} differences are "
-            f"not 0, the first is {example!r}.{note}"
+            f"not 0, the first is {shown(example)}.{note}"
         )
 
 
@@ -67,7 +72,7 @@ class Proof(tuple):
     def __bool__(self) -> bool:
         return all(identity.holds for identity in self)
 
-    def __getitem__(self, key):  # type: ignore[no-untyped-def, override]
+    def __getitem__(self, key):
         if not isinstance(key, str):
             return super().__getitem__(key)
         for identity in self:
@@ -79,6 +84,13 @@ class Proof(tuple):
         return "\n".join(map(str, self))
 
     __repr__ = __str__
+
+
+def shown(x: Polynomial) -> str:
+    """As a formula, if it is short enough to be read."""
+    if len(x) > LONG:
+        return f"a polynomial with {len(x)} terms"
+    return str(Writer(x.ring, (), ()).write(x, "expanded", Lumps()))
 
 
 def identity(

@@ -9,10 +9,10 @@ general one becomes the rational rotation nearest to its floats, exactly orthogo
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from fractions import Fraction
 from functools import cache
-from itertools import product
+from itertools import count, product
 from typing import Any, NoReturn, TypeGuard
 
 import sympy
@@ -80,6 +80,7 @@ class Reader:
         algebra: the ring, or Needs
         constants: the named angles so far, by symbol, with their values; grows while reading
         refuse: called with an expression that is no trigonometric polynomial; raises
+        taken: names that a named angle must not have
     """
 
     def __init__(
@@ -87,8 +88,9 @@ class Reader:
         algebra: Ring | Needs,
         constants: dict[Symbol, float],
         refuse: Callable[[Any], NoReturn],
+        taken: Collection[str] = (),
     ):
-        self.ring, self.constants, self.refuse = algebra, constants, refuse
+        self.ring, self.constants, self.refuse, self.taken = algebra, constants, refuse, taken
 
     def number(self, x: Scalar) -> Scalar:
         """A parameter; whole numbers stay integers."""
@@ -187,7 +189,9 @@ class Reader:
             for same, swapped in ((value, False), (math.pi / 2 - value, True)):
                 if abs(same - acute) < SAME:
                     return self._signed(symbol, c, s, swapped)
-        symbol = Symbol(f"phi{len(self.constants) + 1}")
+        names = (f"phi{k}" for k in count(1))
+        used = {*map(str, self.constants), *self.taken}
+        symbol = Symbol(next(name for name in names if name not in used))
         self.constants[symbol] = acute
         return self._signed(symbol, c, s, False)
 
@@ -232,7 +236,7 @@ class Reader:
 
 def _mapped(rows: Sequence[Sequence[Any]], convert: Callable[[Any], Scalar]) -> Mat3:
     a, b, c = (tuple(convert(x) for x in row) for row in rows)
-    return a, b, c  # type: ignore[return-value]
+    return a, b, c
 
 
 def _repeated(x: Scalar, times: int) -> Scalar:

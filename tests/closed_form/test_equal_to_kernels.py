@@ -55,9 +55,10 @@ def test_random_trees_that_mimic(seed, rng):
     check(random_tree(seed, bodies=4, mimic=0.5), rng)
 
 
-@pytest.mark.parametrize("seed", range(6))
-def test_exact_trees_that_mimic(seed, rng):
-    check(random_tree(seed, exact=True, bodies=6, mimic=0.3, branching=0.4), rng)
+@pytest.mark.parametrize("seed", range(12))
+def test_exact_trees(seed, rng):
+    shares = {"mimic": 0.3 * (seed % 2), "branching": 0.4, "prismatic": 0.4}
+    check(random_tree(seed, exact=True, bodies=6, **shares), rng)
 
 
 def inertia(k):
@@ -110,6 +111,15 @@ def test_another_angle_gets_a_name_and_is_one_constant(rng):
 def test_a_general_rotation_is_exactly_orthogonal(rng):
     form = check(chain([tilted(0.3, 0.4, 0.5)] * 2, [(0.6, 0.8, 0.0), (0.48, 0.6, 0.64)]), rng)
     assert not form.constants
+    assert form.prove()
+
+
+def test_a_run_goes_on_in_a_slide_behind_a_slide_across(rng):
+    """Turn about z, slide along x, slide along z, turn about z: all poses upright."""
+    kinds = ["revolute", "prismatic", "prismatic", "revolute", "prismatic", "prismatic"]
+    z, x, down = (0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, 0.0, -1.0)
+    form = check(chain([Pose.at(x=0.3, y=0.2)] * 6, [z, x, down, z, x, z], kinds), rng)
+    assert len(form.exact.ring.angles.forms) == 2
     assert form.prove()
 
 

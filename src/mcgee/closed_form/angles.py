@@ -39,6 +39,20 @@ def scaled(a: Form, k: Fraction | int) -> Form:
     return form((symbol, v * k) for symbol, v in a)
 
 
+class Table:
+    """Angles by number, so that they compare and hash fast."""
+
+    def __init__(self, forms: Iterable[Form]):
+        self.forms = list(forms)
+        self._numbers = {f: i for i, f in enumerate(self.forms)}
+
+    def number(self, f: Form) -> int:
+        if f not in self._numbers:
+            self._numbers[f] = len(self.forms)
+            self.forms.append(f)
+        return self._numbers[f]
+
+
 class Basis:
     """Angles of which all given ones are whole multiples, sums or differences."""
 

@@ -250,7 +250,7 @@ def _factors(
     written = [[writer.write(x, "expanded", Lumps()) for x in row] for row in chosen]
     matrix = sympy.Matrix([row[:n] for row in written])
     found = matrix.LUsolve(sympy.Matrix([row[n] for row in written]))
-    factors = [sympy.radsimp(sympy.cancel(x)) for x in found]
+    factors = [sympy.trigsimp(sympy.radsimp(sympy.cancel(x))) for x in found]
     return [Fraction(int(x.p), int(x.q)) if x.is_Rational else x for x in factors]
 
 

@@ -239,10 +239,15 @@ def _placed(mechanism: Mechanism, q: Sequence[Symbol]) -> list[Place]:
             angle = plus((), above.angle, sense or 1)
             places.append(Place(angle, _Z if sense else axis, bool(sense), sense))
             continue
-        own = form([(q[body.coordinate], Fraction(body.multiplier))])
+        own = _turned(body, q)
         angle = plus(own, above.angle, sense) if above else own
         places.append(Place(angle, _Z, True, sense))
     return places
+
+
+def _turned(body: Body, q: Sequence[Symbol]) -> Form:
+    """By how much its own joint turns a body."""
+    return form([(q[body.coordinate], Fraction(body.multiplier))])
 
 
 def _sense(a: Sequence[Scalar], b: Sequence[Scalar]) -> int:
@@ -289,12 +294,12 @@ def _seen_so(
     if body.prismatic:
         slid = ring.symbol(q[body.coordinate]) * body.multiplier
         carried = carried @ Pose.at(z=slid)
-    runs_on = places[i].sense != 0
-    if runs_on and places[body.parent].back:
-        carried = Pose(body.pose.rotation, carried.translation)
-    elif runs_on and not body.prismatic:
-        own = form([(q[body.coordinate], Fraction(body.multiplier))])
-        carried = carried @ _about_z(ring, plus(own, places[i].angle, -1))
+    if places[i].sense:  # turned back, as the axes of its run are
+        if places[body.parent].back:
+            carried = Pose(body.pose.rotation, carried.translation)
+        else:
+            own = () if body.prismatic else _turned(body, q)
+            carried = carried @ _about_z(ring, plus(own, places[i].angle, -1))
     own_inertia = JointTransform(turns[i], True, 0).inertia(inertia(body))
     I = own_inertia.I
     return replace(

@@ -8,10 +8,9 @@ from fractions import Fraction
 import sympy
 from sympy import Expr, Symbol
 
-from mcgee.closed_form.angles import Form
 from mcgee.closed_form.lumps import Lumps
 from mcgee.closed_form.ring import Polynomial, Ring
-from mcgee.closed_form.terms import Factors, Sum, collected, readable
+from mcgee.closed_form.terms import Factors, Sum, Wave, collected, readable
 
 WAYS = ("expanded", "collected", "lumped")
 """Terms one by one; by configuration, each with its parameters; these named."""
@@ -24,21 +23,22 @@ class Writer:
         self.ring, self.coordinates = ring, frozenset(q)
         moving = (*self.coordinates, *rates)
         self.moving = frozenset(ring.at[s] for s in moving if s in ring.at)
-        self._waves: dict[tuple[str, Form], Expr] = {}
+        self._waves: dict[Wave, Expr] = {}
         self._generators = self._generator_expressions()
 
     def _generator_expressions(self) -> list[Expr]:
-        waves = [self._wave(kind, f) for f in self.ring.angles.forms for kind in "sc"]
+        waves = [self._wave((i, kind)) for i in range(len(self.ring.angles.forms)) for kind in "sc"]
         known = {"pi": sympy.pi, "E": sympy.E}
         symbols = [known.get(str(s), s) for s in self.ring.symbols]
         inverses = [1 / s for s in self.ring.inverses]
         return [*waves, *symbols, *inverses, *map(sympy.sqrt, self.ring.roots)]
 
-    def _wave(self, kind: str, angle: Form) -> Expr:
-        if (kind, angle) not in self._waves:
-            total = sympy.Add(*(s * number(k) for s, k in angle))
-            self._waves[kind, angle] = (sympy.cos if kind == "c" else sympy.sin)(total)
-        return self._waves[kind, angle]
+    def _wave(self, wave: Wave) -> Expr:
+        if wave not in self._waves:
+            angle, kind = wave
+            total = sympy.Add(*(s * number(k) for s, k in self.ring.table.forms[angle]))
+            self._waves[wave] = (sympy.cos if kind == "c" else sympy.sin)(total)
+        return self._waves[wave]
 
     # -- the three ways ---------------------------------------------------------------------------
 
@@ -62,7 +62,7 @@ class Writer:
         return self._product(x, Fraction(1))
 
     def _product(self, x: Factors, k: Fraction) -> Expr:
-        waves = (self._wave(*wave) for wave in x.waves)
+        waves = map(self._wave, x.waves)
         powers = (self._generators[i] ** e for i, e in x.powers)
         return sympy.Mul(number(k), *waves, *powers)
 

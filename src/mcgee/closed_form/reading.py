@@ -19,7 +19,7 @@ import sympy
 from sympy import Expr, Symbol
 
 from mcgee.closed_form.angles import Basis, Form, form
-from mcgee.closed_form.ring import Ring, rational
+from mcgee.closed_form.ring import Ring, rational, simplest
 from mcgee.model import Mat3
 from mcgee.scalar import Scalar, Turn
 
@@ -203,7 +203,10 @@ class Reader:
     def rotation(self, R: Mat3) -> Mat3:
         """Exactly orthogonal."""
         if any(hasattr(x, "free_symbols") for row in R for x in row):
-            return _mapped(R, self._rotation_entry)
+            read = _mapped(R, self._rotation_entry)
+            if isinstance(self.ring, Ring) and not _is_orthogonal(read):
+                self.refuse(R)
+            return read
         nice = [[_recognised(float(x)) for x in row] for row in R]
         if _orthogonal(nice):
             return _mapped(nice, self.nice)
@@ -237,6 +240,13 @@ class Reader:
 def _mapped(rows: Sequence[Sequence[Any]], convert: Callable[[Any], Scalar]) -> Mat3:
     a, b, c = (tuple(convert(x) for x in row) for row in rows)
     return a, b, c
+
+
+def _is_orthogonal(R: Mat3) -> bool:
+    return all(
+        simplest(sum(x * y for x, y in zip(R[i], R[j], strict=True)) - int(i == j)) == 0
+        for i, j in product(range(3), repeat=2)
+    )
 
 
 def _repeated(x: Scalar, times: int) -> Scalar:

@@ -15,7 +15,7 @@ from typing import Any
 from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 from sympy import Symbol
 
-from mcgee.closed_form.angles import Basis, Form
+from mcgee.closed_form.angles import Basis, Form, Table
 from mcgee.scalar import Scalar, Turn
 
 
@@ -36,6 +36,7 @@ class Ring:
     ):
         self.angles, self.symbols = angles, tuple(symbols)
         self.inverses, self.roots = tuple(inverses), tuple(roots)
+        self.table = Table(angles.forms)  # first those of the generators, then sums of these
         named = [f"{kind}[{_name(f)}]" for f in angles.forms for kind in "sc"]
         named += [str(s) for s in self.symbols] + [f"1/{s}" for s in self.inverses]
         named += [f"sqrt{p}" for p in self.roots]

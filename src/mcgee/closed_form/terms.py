@@ -7,11 +7,11 @@ from fractions import Fraction
 from itertools import combinations
 from typing import NamedTuple
 
-from mcgee.closed_form.angles import Form, plus, scaled
+from mcgee.closed_form.angles import Table, plus, scaled
 from mcgee.closed_form.ring import Polynomial, Ring
 
-Wave = tuple[str, Form]
-"""('c' | 's', angle): a cosine or sine."""
+Wave = tuple[int, str]
+"""(angle by its number in the ring's table, 'c' | 's'): a cosine or sine."""
 
 
 class Factors(NamedTuple):
@@ -35,29 +35,29 @@ def readable(x: Polynomial) -> Sum:
             if not e:
                 continue
             if i < last and e == 1:
-                waves.append(("sc"[i % 2], ring.angles.forms[i // 2]))
+                waves.append((i // 2, "sc"[i % 2]))
             else:
                 powers.append((i, e))
-        terms[Factors(tuple(sorted(waves, key=_order)), tuple(powers))] = coefficient
-    while _fold(terms):
+        terms[Factors(tuple(sorted(waves)), tuple(powers))] = coefficient
+    while _fold(terms, ring.table):
         pass
     return terms
 
 
-def _fold(terms: Sum) -> bool:
+def _fold(terms: Sum, table: Table) -> bool:
     """cos a cos b + sin a sin b = cos(a − b), and so on, once through; whether anything folded."""
     groups: dict[tuple, dict[str, Fraction]] = {}
     for factors, coefficient in terms.items():
         for one, other in _pairs(factors.waves):
             rest = _without(factors.waves, one, other)
-            key = (rest, factors.powers, one[1], other[1])
-            groups.setdefault(key, {})[one[0] + other[0]] = coefficient
+            key = (rest, factors.powers, one[0], other[0])
+            groups.setdefault(key, {})[one[1] + other[1]] = coefficient
     folded = False
     for (rest, powers, a, b), found in groups.items():
         for first, second, minus, kind in _RULES:
             if first not in found or second not in found:
                 continue
-            pair = [_joined(rest, powers, (k[0], a), (k[1], b)) for k in (first, second)]
+            pair = [_joined(rest, powers, (a, k[0]), (b, k[1])) for k in (first, second)]
             x, y = (terms.get(p) for p in pair)
             if x is None or y is None or abs(x) != abs(y):
                 continue
@@ -65,7 +65,10 @@ def _fold(terms: Sum) -> bool:
             sign = -1 if (x == y) == minus else 1
             for p in pair:
                 del terms[p]
-            _add(terms, rest, powers, kind, plus(a, b, sign), x)
+            angle = plus(table.forms[a], table.forms[b], sign)
+            if angle[0][1] < 0:  # the first factor of an angle is positive
+                angle, x = scaled(angle, -1), -x if kind == "s" else x
+            _add(terms, _joined(rest, powers, (table.number(angle), kind)), x)
             folded = True
     return folded
 
@@ -74,10 +77,10 @@ _RULES = (("cc", "ss", True, "c"), ("sc", "cs", False, "s"))
 
 
 def _pairs(waves: tuple[Wave, ...]) -> Iterator[tuple[Wave, Wave]]:
-    """Of different angles, in a fixed order of these."""
+    """Of different angles, in the order of their numbers."""
     for one, other in combinations(waves, 2):
-        if one[1] != other[1]:
-            yield (one, other) if str(one[1]) < str(other[1]) else (other, one)
+        if one[0] != other[0]:
+            yield one, other
 
 
 def _without(waves: tuple[Wave, ...], *gone: Wave) -> tuple[Wave, ...]:
@@ -88,25 +91,10 @@ def _without(waves: tuple[Wave, ...], *gone: Wave) -> tuple[Wave, ...]:
 
 
 def _joined(rest: tuple[Wave, ...], powers: tuple[tuple[int, int], ...], *waves: Wave) -> Factors:
-    return Factors(tuple(sorted((*rest, *waves), key=_order)), powers)
+    return Factors(tuple(sorted((*rest, *waves))), powers)
 
 
-def _order(wave: Wave) -> tuple[str, str]:
-    return str(wave[1]), wave[0]
-
-
-def _add(
-    terms: Sum,
-    rest: tuple[Wave, ...],
-    powers: tuple[tuple[int, int], ...],
-    kind: str,
-    angle: Form,
-    coefficient: Fraction,
-) -> None:
-    """Another term, its angle with a positive first factor."""
-    if angle[0][1] < 0:
-        angle, coefficient = scaled(angle, -1), -coefficient if kind == "s" else coefficient
-    factors = _joined(rest, powers, (kind, angle))
+def _add(terms: Sum, factors: Factors, coefficient: Fraction) -> None:
     total = terms.get(factors, Fraction(0)) + coefficient
     if total:
         terms[factors] = total
@@ -130,7 +118,9 @@ def collected(terms: Sum, ring: Ring, moving: Iterable[int], coordinates: frozen
         state: tuple[list, list] = ([], [])
         parameter: tuple[list, list] = ([], [])
         for wave in factors.waves:
-            part = state if any(s in coordinates for s, _ in wave[1]) else parameter
+            part = (
+                state if any(s in coordinates for s, _ in ring.table.forms[wave[0]]) else parameter
+            )
             part[0].append(wave)
         for i, e in factors.powers:
             part = state if i in moving or _turns(ring, i, coordinates) else parameter

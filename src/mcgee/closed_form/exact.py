@@ -61,6 +61,19 @@ class ExactRobot:
     def at_rest(self) -> list[Scalar]:
         return [Standing()] * len(self.q)
 
+    def positions(self) -> list[Scalar]:
+        """The joint positions that `still` has in this configuration, body by body.
+
+        Raises: ValueError: a joint's own angle is no sum of the ring's
+        """
+        found: list[Scalar] = []
+        for body in self.still.bodies:
+            if body.prismatic:
+                found.append(self.ring.symbol(self.q[body.coordinate]) * body.multiplier)
+            else:
+                found.append(self.ring.turn(_turned(body, self.q)))
+        return found
+
     @property
     def rates(self) -> tuple[list[Polynomial], list[Polynomial]]:
         """qd and qdd as polynomials."""

@@ -288,14 +288,17 @@ class ClosedForm:
 
 def closed_form(robot: Robot, symbolic_inertias: bool, simplify: str) -> ClosedForm:
     """See Robot.closed_form."""
-    e = exact(robot, symbolic_inertias)
-    ring, at_rest, (qd, _) = e.ring, e.at_rest, e.rates
-    M = [[ring(x) for x in row] for row in on.mass_matrix(e.mechanism, at_rest)]
-    g = [ring(x) for x in on.gravity(e.mechanism, at_rest)]
-    T = ring(on.kinetic_energy(e.mechanism, at_rest, qd))
-    P = ring(on.potential_energy(e.mechanism, at_rest))
-    dynamics = Dynamics(ring, e.q, e.qd, e.qdd, M, g, T, P, e.constants)
-    return ClosedForm(robot.name, dynamics, e, simplify)
+    return of_exact(robot.name, exact(robot, symbolic_inertias), simplify)
+
+
+def of_exact(name: str, e: ExactRobot, simplify: str) -> ClosedForm:
+    """By the algorithms on the robot's ring."""
+    ring, m, (qd, _) = e.ring, e.mechanism, e.rates
+    M = [[ring(x) for x in row] for row in on.mass_matrix(m, e.at_rest)]
+    g = [ring(x) for x in on.gravity(m, e.at_rest)]
+    T = ring(on.kinetic_energy(m, e.at_rest, qd))
+    P = ring(on.potential_energy(m, e.at_rest))
+    return ClosedForm(name, Dynamics(ring, e.q, e.qd, e.qdd, M, g, T, P, e.constants), e, simplify)
 
 
 def _flattened(x: Any) -> Iterator[Polynomial]:

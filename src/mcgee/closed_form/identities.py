@@ -8,6 +8,9 @@ from itertools import combinations
 from sympy import Symbol
 
 from mcgee import quantities as on
+from mcgee.algorithms.crba import crba
+from mcgee.algorithms.definition import definition
+from mcgee.algorithms.energy import potential_energy
 from mcgee.algorithms.parameters import inertial_parameters
 from mcgee.closed_form.dynamics import Dynamics, Row, Rows
 from mcgee.closed_form.exact import ExactRobot
@@ -43,6 +46,7 @@ def of_robot(e: ExactRobot, d: Dynamics, tau: Row) -> Iterator[Identity]:
         (columns[i][j] for i, j in pairs),
         (columns[j][i] for i, j in pairs),
     )
+    yield from _in_own_frames(e, d)
     hessian = [[d.T.derivative(a).derivative(b) for b in d.qd] for a in d.qd]
     yield identity("inertia", "M = ∂²T/∂qd∂qd", _flat(d.M), _flat(hessian))
     yield identity("gravity", "g = ∂P/∂q", d.g, (d.P.derivative(s) for s in d.q))
@@ -53,6 +57,29 @@ def of_robot(e: ExactRobot, d: Dynamics, tau: Row) -> Iterator[Identity]:
         tau,
         _by_parameters(e, *e.rates),
     )
+
+
+def _in_own_frames(e: ExactRobot, d: Dynamics) -> Iterator[Identity]:
+    """M and P of bodies that turn with their joints, link by link where links are known.
+
+    Nothing of how `d` was found comes in. Left out where gears make angles of their own.
+    """
+    try:
+        positions = e.positions()
+    except ValueError:
+        return
+    n, bodies = d.n, e.still.bodies
+    inertia = crba if e.inertial else definition
+    joints = inertia(e.still, positions)
+    M = [[d.ring(0)] * n for _ in range(n)]
+    for a, row in zip(bodies, joints, strict=True):
+        for b, x in zip(bodies, row, strict=True):
+            i, j = a.coordinate, b.coordinate
+            M[i][j] = M[i][j] + x * (a.multiplier * b.multiplier)
+    by_links = "" if e.inertial else " = Σ (m Jvᵀ Jv + Jωᵀ I Jω), link by link"
+    yield identity("definition", f"M{by_links} in frames that turn", _flat(d.M), _flat(M))
+    P = d.ring(potential_energy(e.still, positions))
+    yield identity("height", "P = −Σ m (gravity · CoM) in frames that turn", [d.P], [P])
 
 
 def newton_euler(e: ExactRobot) -> Row:

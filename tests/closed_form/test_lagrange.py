@@ -82,6 +82,14 @@ def test_numbers_and_roots():
     own = mcgee.lagrange(sympy.sqrt(5) * qd1**2 / sympy.sqrt(2) ** 3, sympy.pi * q1, [q1], [qd1])
     assert sympy.simplify(own.M[0] - sympy.sqrt(10) / 2) == 0
     assert own.g[0] == sympy.pi
+    assert own.evaluate("g", [0.0])[0] == math.pi
+
+
+def test_a_users_e_is_not_eulers():
+    E = sympy.Symbol("E", positive=True)
+    own = mcgee.lagrange(qd1**2, E * q1 + sympy.E * q1, [q1], [qd1])
+    assert own.g[0] == E + sympy.E
+    assert own.evaluate("g", [0.0], values={"E": 2.0})[0] == pytest.approx(2 + math.e)
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from sympy import Symbol
 
-from mcgee.closed_form.ring import Polynomial, Ring
+from mcgee.closed_form.ring import TRANSCENDENTAL, Polynomial, Ring
 
 
 def values_of(ring: Ring, values: Mapping[Symbol, Any]) -> list[Any]:
@@ -17,6 +17,8 @@ def values_of(ring: Ring, values: Mapping[Symbol, Any]) -> list[Any]:
 
     Raises: ValueError: a symbol without a value
     """
+
+    values = {symbol: float(c) for c, symbol in TRANSCENDENTAL.items()} | dict(values)
 
     def of(symbol: Symbol) -> Any:
         if symbol not in values:

@@ -9,7 +9,7 @@ import sympy
 from sympy import Expr, Symbol
 
 from mcgee.closed_form.lumps import Lumps
-from mcgee.closed_form.ring import Polynomial, Ring
+from mcgee.closed_form.ring import TRANSCENDENTAL, Polynomial, Ring
 from mcgee.closed_form.terms import Factors, Sum, Wave, collected, readable
 
 WAYS = ("expanded", "collected", "lumped")
@@ -28,8 +28,8 @@ class Writer:
 
     def _generator_expressions(self) -> list[Expr]:
         waves = [self._wave((i, kind)) for i in range(len(self.ring.angles.forms)) for kind in "sc"]
-        known = {"pi": sympy.pi, "E": sympy.E}
-        symbols = [known.get(str(s), s) for s in self.ring.symbols]
+        known = {symbol: c for c, symbol in TRANSCENDENTAL.items()}
+        symbols = [known.get(s, s) for s in self.ring.symbols]
         inverses = [1 / s for s in self.ring.inverses]
         return [*waves, *symbols, *inverses, *map(sympy.sqrt, self.ring.roots)]
 

@@ -19,7 +19,7 @@ import sympy
 from sympy import Expr, Symbol
 
 from mcgee.closed_form.angles import Basis, Form, form
-from mcgee.closed_form.ring import Ring, rational, simplest
+from mcgee.closed_form.ring import TRANSCENDENTAL, Ring, rational, simplest
 from mcgee.model import Mat3
 from mcgee.scalar import Scalar, Turn
 
@@ -116,8 +116,8 @@ class Reader:
         if isinstance(e, (sympy.cos, sympy.sin)):
             turn = self._angle(e.args[0])
             return turn.c if isinstance(e, sympy.cos) else turn.s
-        if e is sympy.pi or e is sympy.E:
-            return self.ring.symbol(Symbol(str(e)))
+        if e in TRANSCENDENTAL:
+            return self.ring.symbol(TRANSCENDENTAL[e])
         return self.refuse(e)
 
     def _power(self, e: Expr) -> Scalar:

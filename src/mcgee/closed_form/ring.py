@@ -12,11 +12,15 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
+import sympy
 from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 from sympy import Symbol
 
 from mcgee.closed_form.angles import Basis, Form, Table
 from mcgee.scalar import Scalar, Turn
+
+TRANSCENDENTAL = {c: sympy.Dummy(str(c), positive=True) for c in (sympy.pi, sympy.E)}
+"""What stands for π and e, which no relation binds; no symbol of a user's is the same."""
 
 
 def rational(x: Scalar) -> Fraction:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,6 +17,7 @@ from mcgee.closed_form import identities
 from mcgee.closed_form.base import BaseParameters, base_parameters
 from mcgee.closed_form.compare import compared
 from mcgee.closed_form.definite import definiteness
+from mcgee.closed_form.document import LIMIT, document
 from mcgee.closed_form.dynamics import Dynamics
 from mcgee.closed_form.evaluate import Compiled, values_of
 from mcgee.closed_form.exact import ExactRobot, exact
@@ -23,7 +26,8 @@ from mcgee.closed_form.lumps import Lumps
 from mcgee.closed_form.proof import Proof
 from mcgee.closed_form.ring import Polynomial
 from mcgee.closed_form.terms import readable
-from mcgee.closed_form.text import latex, plain_text
+from mcgee.closed_form.text import plain_text
+from mcgee.writing import write_whole
 
 if TYPE_CHECKING:
     from mcgee.robot import Robot
@@ -35,12 +39,12 @@ class Symbols:
     """c[i, j, k] or c[i][j][k]: Christoffel symbols, each made an expression when asked for."""
 
     def __init__(self, entries: Sequence[Any], write: Callable[[Polynomial], Expr]):
-        self._entries, self._write = entries, write
+        self._entries, self.write = entries, write
 
     @property
     def shape(self) -> tuple[int, ...]:
         n = len(self._entries)
-        return (n, *(Symbols(self._entries[0], self._write).shape if self._nested else ()))
+        return (n, *(Symbols(self._entries[0], self.write).shape if self._nested else ()))
 
     @property
     def _nested(self) -> bool:
@@ -53,8 +57,8 @@ class Symbols:
         first, *rest = index if isinstance(index, tuple) else (index,)
         entry = self._entries[first]
         if not self._nested:
-            return self._write(entry)
-        inner = Symbols(entry, self._write)
+            return self.write(entry)
+        inner = Symbols(entry, self.write)
         return inner[tuple(rest)] if rest else inner
 
     def __iter__(self) -> Iterator[Any]:
@@ -83,9 +87,9 @@ class ClosedForm:
         if simplify not in WAYS:
             raise ValueError(f"simplify is {simplify!r}, expected one of: {', '.join(WAYS)}.")
         self.name, self.exact, self.simplify = name, dynamics, simplify
-        self._robot = robot
+        self.robot = robot
         self._compiled: dict[str, list[Compiled]] = {}
-        self._writer = Writer(dynamics.ring, dynamics.q, (*dynamics.qd, *dynamics.qdd))
+        self.writer = Writer(dynamics.ring, dynamics.q, (*dynamics.qd, *dynamics.qdd))
 
     # -- what it is in ----------------------------------------------------------------------------
 
@@ -114,7 +118,7 @@ class ClosedForm:
     @cached_property
     def lumps(self) -> dict[Symbol, Expr]:
         """What the names of simplify='lumped' stand for; empty otherwise."""
-        return {s: self._writer.sum(found) for s, found in self._lumps.named.items()}
+        return {s: self.writer.sum(found) for s, found in self._lumps.named.items()}
 
     @cached_property
     def _lumps(self) -> Lumps:
@@ -124,7 +128,7 @@ class ClosedForm:
             while any(str(s).rstrip("0123456789") == lumps.letter for s in taken):
                 lumps.letter += "_"
             for group in (self._flat("M"), self._flat("g"), [self.exact.P]):
-                found = (self._writer.by_configuration(readable(x)) for x in group)
+                found = (self.writer.by_configuration(readable(x)) for x in group)
                 lumps.learn([part for parts in found for part in parts.values()])
         return lumps
 
@@ -133,12 +137,12 @@ class ClosedForm:
     @cached_property
     def T(self) -> Expr:
         """The kinetic energy [J]."""
-        return self._write(self.exact.T)
+        return self.write(self.exact.T)
 
     @cached_property
     def P(self) -> Expr:
         """The potential energy [J]."""
-        return self._write(self.exact.P)
+        return self.write(self.exact.P)
 
     @cached_property
     def M(self) -> Matrix:
@@ -168,21 +172,22 @@ class ClosedForm:
     @property
     def christoffel(self) -> Symbols:
         """c[i, j, k] = ½(∂M_ij/∂q_k + ∂M_ik/∂q_j − ∂M_jk/∂q_i), made when asked for."""
-        return Symbols(self.exact.christoffel, self._write)
+        return Symbols(self.exact.christoffel, self.write)
 
     def simplified(self, simplify: str) -> ClosedForm:
         """The same, written another way: 'expanded', 'collected' or 'lumped'."""
-        return ClosedForm(self.name, self.exact, self._robot, simplify)
+        return ClosedForm(self.name, self.exact, self.robot, simplify)
 
     def terms(self, quantity: str) -> int:
         """How many terms the polynomials of 'M', 'christoffel', … have together."""
         return sum(len(x) for x in self._flat(quantity))
 
-    def _write(self, x: Polynomial) -> Expr:
-        return self._writer.write(x, self.simplify, self._lumps)
+    def write(self, x: Polynomial) -> Expr:
+        """A polynomial of `exact` as SymPy's, in the way of `simplify`."""
+        return self.writer.write(x, self.simplify, self._lumps)
 
     def _matrix(self, rows: Sequence[Sequence[Polynomial]]) -> Matrix:
-        return sympy.ImmutableMatrix([[self._write(x) for x in row] for row in rows])
+        return sympy.ImmutableMatrix([[self.write(x) for x in row] for row in rows])
 
     def _column(self, entries: Sequence[Polynomial]) -> Matrix:
         return self._matrix([[x] for x in entries])
@@ -248,7 +253,7 @@ class ClosedForm:
         Returns: the identities by position or name, true where all hold; print() it. Each has its
             two sides' numbers of terms and their `differences`, which are the polynomial 0
         """
-        d, robot = self.exact, self._robot
+        d, robot = self.exact, self.robot
         if robot is None:
             return Proof([*identities.of_any(d, d.tau), *identities.still(d)])
         tau = identities.newton_euler(robot)
@@ -268,12 +273,12 @@ class ClosedForm:
         Raises: ValueError: the form is not a robot's
         Source: Gautier & Khalil 1990, and elimination where their general rules leave more
         """
-        if self._robot is None:
+        if self.robot is None:
             raise ValueError(
                 f"'{self.name}' was made from energies and has no links, so no inertial "
                 f"parameters. Ask the closed form of a robot."
             )
-        return base_parameters(self._robot)
+        return base_parameters(self.robot)
 
     def __repr__(self) -> str:
         return f"ClosedForm of '{self.name}': {self.n} joints, M has {self.terms('M')} terms"
@@ -283,7 +288,33 @@ class ClosedForm:
 
     def latex(self) -> str:
         """T, P, M, C, C qd and g as LaTeX, an equation each."""
+        from mcgee.closed_form.latex import latex
+
         return latex(self)
+
+    def to_latex(self, path: str | os.PathLike[str], limit: int | None = LIMIT) -> Path:
+        """Write the derivation as an article that pdflatex takes as it is.
+
+        Args:
+            limit: terms that a section shows at most; None for all
+        Returns: the path, written whole or not at all
+        Raises: ValueError: the path cannot be written
+        """
+        from mcgee.closed_form.latex import paper
+
+        return write_whole(Path(path), "the article", lambda: paper(document(self, limit)))
+
+    def to_html(self, path: str | os.PathLike[str], limit: int | None = LIMIT) -> Path:
+        """Write the derivation as one page that needs no network and no other file.
+
+        Args:
+            limit: terms that a section shows at most; None for all
+        Returns: the path, written whole or not at all
+        Raises: ValueError: the path cannot be written
+        """
+        from mcgee.closed_form.html import page
+
+        return write_whole(Path(path), "the page", lambda: page(document(self, limit)))
 
 
 def closed_form(robot: Robot, symbolic_inertias: bool, simplify: str) -> ClosedForm:

@@ -1,12 +1,11 @@
-"""Closed forms as plain text and LaTeX."""
+"""Closed forms as plain text."""
 
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING
 
 import sympy
-from sympy import Expr, Symbol
+from sympy import Expr
 
 if TYPE_CHECKING:
     from mcgee.closed_form.form import ClosedForm
@@ -37,7 +36,7 @@ def plain_text(form: ClosedForm) -> str:
 def _element(form: ClosedForm, what: str, x) -> str:  # type: ignore[no-untyped-def]
     if len(x) > LONG:
         return f"… {len(x)} terms"
-    return str(rounded(form._write(x)))
+    return str(rounded(form.write(x)))
 
 
 def rounded(e: Expr) -> Expr:
@@ -46,28 +45,3 @@ def rounded(e: Expr) -> Expr:
         x: sympy.Float(x, DIGITS) for x in e.atoms(sympy.Rational) if max(abs(x.p), x.q) > SHORT
     }
     return e.xreplace(long) if long else e
-
-
-def latex(form: ClosedForm) -> str:
-    """Equations in \\[ \\], one a quantity."""
-    names = {s: _name(s) for s in form.exact.ring.symbols}
-    names |= {s: f"q_{{{i + 1}}}" for i, s in enumerate(form.q)}
-    names |= {s: _dotted(s, 1) for s in form.qd} | {s: _dotted(s, 2) for s in form.qdd}
-
-    def shown(e: Expr) -> str:
-        return sympy.latex(rounded(e), symbol_names=names)
-
-    parts = [("T", form.T), ("P", form.P), ("M", form.M), ("C", form.C)]
-    parts += [(r"C\,\dot q", form.Cqd), ("g", form.g)]
-    parts += [(sympy.latex(s), e) for s, e in form.lumps.items()]
-    return "\n".join(f"\\[ {name} = {shown(e)} \\]" for name, e in parts)
-
-
-def _dotted(s: Symbol, dots: int) -> str:
-    """qd1 is q̇₁; a user's own name, dotted no more."""
-    match = re.fullmatch(r"q(d+)(\d+)", str(s))
-    return f"\\{'d' * dots}ot{{q}}_{{{match[2]}}}" if match else _name(s)
-
-
-def _name(s: Symbol) -> str:
-    return sympy.latex(s)

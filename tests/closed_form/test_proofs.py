@@ -46,7 +46,7 @@ def false_names(form, **wrong):
     for name in ("C", "christoffel"):
         if name in wrong:
             dynamics.__dict__[name] = wrong[name]
-    proof = ClosedForm(form.name, dynamics, form._robot).prove()
+    proof = ClosedForm(form.name, dynamics, form.robot).prove()
     assert not proof
     return {identity.name for identity in proof if not identity.holds}
 
@@ -114,7 +114,7 @@ def test_a_recursion_that_forgets_a_term(right, monkeypatch):
 
 def test_axes_that_are_wrong(right):
     """Bodies seen in other axes than they should be."""
-    robot = right._robot
+    robot = right.robot
     first, second = robot.mechanism.bodies
     turned = replace(second, pose=second.pose @ Pose.about("z", 0.0) @ Pose.at(y=1.0))
     wrong = replace(robot, mechanism=replace(robot.mechanism, bodies=(first, turned)))
@@ -128,7 +128,7 @@ def test_what_a_proof_says(right):
     assert "proved    ∂M/∂q1 = 0" in str(proof)
     assert proof[0].name == "symmetric"
     wrong = replace(right.exact, P=right.exact.P * 2)
-    sentence = str(ClosedForm("wrong", wrong, right._robot).prove()["gravity"])
+    sentence = str(ClosedForm("wrong", wrong, right.robot).prove()["gravity"])
     assert sentence == (
         "FALSE     g = ∂P/∂q: 2 of 2 differences are not 0, the first is "
         "-g0*l1*m2*cos(q1) - g0*lc1*m1*cos(q1) - g0*lc2*m2*cos(q1 + q2)."

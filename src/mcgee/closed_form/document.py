@@ -68,8 +68,7 @@ def document(form: ClosedForm, limit: int | None = LIMIT) -> Document:
 
 
 _DIGITS = (
-    "Numbers are exact, decimals as they were written; those of many digits are shown to "
-    f"{DIGITS}."
+    f"Numbers are exact, decimals as they were written; those of many digits are shown to {DIGITS}."
 )
 
 
@@ -144,12 +143,8 @@ def _energies(form: ClosedForm, limit: int | None) -> Iterator[Section]:
 def _terms(form: ClosedForm, limit: int | None) -> Iterator[Section]:
     d, n = form.exact, range(form.n)
     place = _places(form.n)
-    still = [
-        str(q)
-        for k, q in enumerate(form.q)
-        if not any(x for row in d.slopes[k] for x in row)
-    ]
-    about = (
+    still = [str(q) for k, q in enumerate(form.q) if not any(x for row in d.slopes[k] for x in row)]
+    about: tuple[str, ...] = (
         "M_ij is the effort that joint i needs for a unit acceleration of joint j alone, at rest "
         "and without gravity: ∂²T/∂qd_i ∂qd_j. M is symmetric.",
         f"M does not depend on {', '.join(still)}." if still else "M depends on every joint.",

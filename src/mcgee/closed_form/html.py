@@ -15,15 +15,6 @@ from mcgee.closed_form.latex import signed
 from mcgee.closed_form.names import GREEK, INDEXED, written
 
 DOTS = {1: "˙", 2: "¨"}
-LETTERS = dict(
-    zip(
-        "alpha beta gamma delta epsilon zeta eta theta iota kappa mu nu xi pi rho sigma tau phi chi "
-        "psi omega Gamma Delta Theta Lambda Xi Pi Sigma Phi Psi Omega".split(),
-        "αβγδεζηθικμνξπρστφχψωΓΔΘΛΞΠΣΦΨΩ",
-        strict=True,
-    )
-)
-assert LETTERS.keys() == GREEK
 
 
 class _Printer(MathMLPresentationPrinter):
@@ -33,18 +24,18 @@ class _Printer(MathMLPresentationPrinter):
         super().__init__()
         self.rates = rates
 
-    def _print_Symbol(self, sym: Symbol, style: str = "plain") -> Any:  # noqa: N802
+    def _print_Symbol(self, sym: Symbol, style: str = "plain") -> Any:
         name = written(str(sym), sym in self.rates)
         if name is None:
             return self._of("mtext", str(sym))
-        letter = self._of("mi", LETTERS.get(name.letter, name.letter))
+        letter = self._of("mi", GREEK.get(name.letter, name.letter))
         if name.dots:
             letter = self._around("mover", letter, self._of("mo", DOTS[name.dots]))
         if name.subscript:
             letter = self._around("msub", letter, self._of("mi", name.subscript))
         return letter
 
-    def _print_Function(self, e: Any, **_: Any) -> Any:  # noqa: N802
+    def _print_Function(self, e: Any, **_: Any) -> Any:
         inside = self._around("mrow", self._of("mo", "("), self._print(e.args[0]))
         inside.appendChild(self._of("mo", ")"))
         space = self._of("mspace", "")

@@ -109,7 +109,10 @@ def _plain(words: str) -> str:
 def paper(d: Document) -> str:
     """An article, which pdflatex takes as it is."""
     names = symbol_names(d.form)
-    parts = [PREAMBLE, f"\\title{{{text(d.title)}}}\n\\date{{}}\n\\begin{{document}}\n\\maketitle\n"]
+    parts = [
+        PREAMBLE,
+        f"\\title{{{text(d.title)}}}\n\\date{{}}\n\\begin{{document}}\n\\maketitle\n",
+    ]
     for section in d.sections:
         parts += _section(section, names)
     return "".join([*parts, "\\end{document}\n"])

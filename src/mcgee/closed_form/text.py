@@ -10,8 +10,10 @@ from sympy import Expr
 if TYPE_CHECKING:
     from mcgee.closed_form.form import ClosedForm
 
+SIMPLE = 8
+"""Denominator up to which a fraction is shown as one."""
 SHORT = 10_000
-"""Numerator and denominator up to which a fraction is shown as one; others as a decimal."""
+"""Numerator and denominator up to which one is that no decimal ends."""
 LONG = 2_000
 """Terms beyond which a text names the size of a formula in its place."""
 DIGITS = 6
@@ -40,8 +42,15 @@ def _element(form: ClosedForm, what: str, x) -> str:  # type: ignore[no-untyped-
 
 
 def rounded(e: Expr) -> Expr:
-    """Long fractions as decimals, for readers."""
-    long = {
-        x: sympy.Float(x, DIGITS) for x in e.atoms(sympy.Rational) if max(abs(x.p), x.q) > SHORT
-    }
-    return e.xreplace(long) if long else e
+    """For readers: simple fractions as they are, others as decimals, the long ones rounded."""
+    put = {x: _decimal(x) for x in e.atoms(sympy.Rational) if x.q > SIMPLE or abs(x.p) > SHORT}
+    return e.xreplace(put) if put else e
+
+
+def _decimal(x: sympy.Rational) -> sympy.Rational | sympy.Float:
+    for digits in range(1, DIGITS + 1):
+        short = sympy.Float(x, digits)
+        if sympy.Rational(str(short)) == x:
+            return short
+    terminates = not set(sympy.primefactors(x.q)) - {2, 5}
+    return sympy.Float(x, DIGITS) if terminates or max(abs(x.p), x.q) > SHORT else x

@@ -47,11 +47,11 @@ def _sum(e: Equation, width: int) -> Iterator[str]:
         text = f"({term})" if term.is_Add and len(e.terms) > 1 else str(term)
         text = f" {sign} {text}" if k else f" {sign if sign == '-' else ''}{text}"
         if len(line) + len(text) > width and line.strip():
-            yield line
+            yield from textwrap.wrap(line, width, subsequent_indent=2 * indent)
             line = indent + text.lstrip()
         else:
             line += text
-    yield line
+    yield from textwrap.wrap(line, width, subsequent_indent=2 * indent)
 
 
 def _matrix(e: Equation, width: int) -> Iterator[str]:

@@ -6,6 +6,7 @@ import shutil
 import subprocess
 from html.parser import HTMLParser
 
+import numpy as np
 import pytest
 import sympy
 
@@ -59,9 +60,8 @@ def form(request):
 def test_the_derivation_goes_in_order():
     d = document(symbolic().closed_form())
     assert [s.title for s in d.sections] == TITLES
-    assert [s.title for s in document(mcgee.load("scara").closed_form(simplify="lumped")).sections][
-        9:11
-    ] == ["Lumped constants", "Base parameters"]
+    lumped = document(mcgee.load("scara").closed_form(simplify="lumped", symbolic_inertias=True))
+    assert [s.title for s in lumped.sections][9:11] == ["Lumped constants", "Base parameters"]
 
 
 def test_every_formula_is_the_forms_own(form):
@@ -73,15 +73,15 @@ def test_every_formula_is_the_forms_own(form):
             if not isinstance(e.left, sympy.Symbol) and e.terms:
                 shown[e.left.letter, e.left.place] = sympy.Add(*e.terms)
     for i in range(form.n):
-        assert shown["g", f"{i + 1}"] == rounded(form.g[i])
-        assert shown["Cqd", f"{i + 1}"] == rounded(form.Cqd[i])
+        assert shown["g", f"{i + 1}"] == (form.g[i])
+        assert shown["Cqd", f"{i + 1}"] == (form.Cqd[i])
         for j in range(form.n):
-            assert shown.get(("C", f"{i + 1}{j + 1}"), 0) == rounded(form.C[i, j])
-            assert shown["M", f"{min(i, j) + 1}{max(i, j) + 1}"] == rounded(form.M[i, j])
+            assert shown.get(("C", f"{i + 1}{j + 1}"), 0) == (form.C[i, j])
+            assert shown["M", f"{min(i, j) + 1}{max(i, j) + 1}"] == (form.M[i, j])
             for k in range(j, form.n):
                 found = shown.get(("c", f"{i + 1}{j + 1}{k + 1}"), 0)
-                assert found == rounded(form.christoffel[i, j, k])
-    assert (shown["T", ""], shown["P", ""]) == (rounded(form.T), rounded(form.P))
+                assert found == (form.christoffel[i, j, k])
+    assert (shown["T", ""], shown["P", ""]) == ((form.T), (form.P))
 
 
 def test_what_is_too_long_is_said():
@@ -90,11 +90,10 @@ def test_what_is_too_long_is_said():
     M = sections["Inertia matrix M(q)"]
     shown = sum(len(e.terms) for e in M.equations)
     upper = sum(len(form.exact.M[i][j]) for i in range(6) for j in range(i, 6))
-    count, terms = re.fullmatch(r"(\d+) formulas of (\d+) terms together left out\.", M.left_out)[
-        1:
-    ]
+    said = re.fullmatch(r"(\d+) formulas of (\d+) terms together left out\.", M.left_out)
+    count, terms = said.groups()
     assert int(count) + len(M.equations) == 21
-    assert shown <= 50
+    assert shown <= 55  # products are folded back on paper
     assert int(terms) + shown >= upper - 21  # zeros are a term on paper
 
 
@@ -105,15 +104,13 @@ def test_frames_are_the_poses():
     q = [0.3, 0.2, -0.4]
     X = sympy.eye(4)
     for e in d.sections[0].equations:
-        if e.left.letter == "X":
+        if getattr(e.left, "letter", "") == "X":
             values = dict(zip(d.form.q, q, strict=True)) | d.form.constants
             X = X * sympy.Matrix(e.rows).subs(values)
     tip = arm.mechanism.frames[arm.link_names[-1]][1]
     want = arm.forward_kinematics(q, arm.link_names[-1])
-    have = X * sympy.Matrix(
-        [[*row, t] for row, t in zip(tip.rotation, tip.translation)] + [[0, 0, 0, 1]]
-    )
-    assert max(abs(complex(a - b)) for a, b in zip(have, sympy.Matrix(want))) < 1e-12
+    placed = np.vstack([np.column_stack([tip.rotation, tip.translation]), [0, 0, 0, 1]])
+    assert np.abs(np.array(X, float) @ placed.astype(float) - want).max() < 1e-12
 
 
 # -- paper ----------------------------------------------------------------------------------------

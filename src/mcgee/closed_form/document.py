@@ -10,7 +10,7 @@ import sympy
 from sympy import Expr, Symbol
 
 from mcgee.closed_form.ring import Polynomial
-from mcgee.closed_form.text import DIGITS, rounded
+from mcgee.closed_form.text import DIGITS, is_rounded
 from mcgee.mechanism import GROUND, Body
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ class Name:
 
 @dataclass(frozen=True)
 class Equation:
-    """left = the sum of the terms, or a matrix of sums."""
+    """left = the sum of the terms, or a matrix of sums; exact, for printers to round."""
 
     left: Name | Symbol
     terms: tuple[Expr, ...] = ()
@@ -61,7 +61,7 @@ def document(form: ClosedForm, limit: int | None = LIMIT) -> Document:
     """
     sections = [*_frames(form), *_energies(form, limit), *_terms(form, limit), _motion(form)]
     sections += [*_lumps(form), *_constants(form), *_base(form), _proofs(form)]
-    if any(e.has(sympy.Float) for s in sections for e in _expressions(s)):
+    if any(is_rounded(e) for s in sections for e in _expressions(s)):
         first = sections[0]
         sections[0] = replace(first, sentences=(*first.sentences, _DIGITS))
     return Document(f"Closed form of {form.name}", tuple(sections), form)
@@ -123,7 +123,7 @@ def _pose(form: ClosedForm, body: Body) -> tuple[tuple[Expr, ...], ...]:
 
 
 def _said(form: ClosedForm, x: Any) -> Expr:
-    return rounded(form.write(form.exact.ring(x)))
+    return form.write(form.exact.ring(x))
 
 
 def _energies(form: ClosedForm, limit: int | None) -> Iterator[Section]:
@@ -244,4 +244,4 @@ def _section(
 
 
 def _summands(e: Expr) -> tuple[Expr, ...]:
-    return tuple(rounded(e).as_ordered_terms())
+    return tuple(e.as_ordered_terms())

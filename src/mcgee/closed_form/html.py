@@ -13,6 +13,7 @@ from sympy.printing.mathml import MathMLPresentationPrinter
 from mcgee.closed_form.document import Document, Equation, Name, Section
 from mcgee.closed_form.latex import signed
 from mcgee.closed_form.names import GREEK, INDEXED, written
+from mcgee.closed_form.text import rounded
 
 DOTS = {1: "˙", 2: "¨"}
 
@@ -87,7 +88,7 @@ def _sum(e: Equation, printer: _Printer) -> str:
     """Each term a formula of its own, so that lines break between them."""
     parts = [f"<math>{_left(e.left, printer)}<mo>=</mo></math>"]
     for k, (sign, term) in enumerate(signed(e.terms)):
-        shown = printer.doprint(term)
+        shown = printer.doprint(rounded(term))
         minus = f"<mo form='infix'>{'−' if sign == '-' else '+'}</mo>" if k or sign == "-" else ""
         parts.append(f"<math><mrow>{minus}{shown}</mrow></math>")
     return f'<p class="sum">{" ".join(parts)}</p>\n'
@@ -95,7 +96,7 @@ def _sum(e: Equation, printer: _Printer) -> str:
 
 def _matrix(e: Equation, printer: _Printer) -> str:
     rows = "".join(
-        "<mtr>" + "".join(f"<mtd>{printer.doprint(x)}</mtd>" for x in row) + "</mtr>"
+        "<mtr>" + "".join(f"<mtd>{printer.doprint(rounded(x))}</mtd>" for x in row) + "</mtr>"
         for row in e.rows
     )
     table = f"<mrow><mo>(</mo><mtable>{rows}</mtable><mo>)</mo></mrow>"

@@ -144,7 +144,7 @@ def _left(left: Name | Symbol) -> str:
 
 
 def _matrix(e: Equation, names: dict[Symbol, str]) -> str:
-    rows = [" & ".join(sympy.latex(x, symbol_names=names) for x in row) for row in e.rows]
+    rows = [" & ".join(sympy.latex(rounded(x), symbol_names=names) for x in row) for row in e.rows]
     body = " \\\\ ".join(rows)
     return f"\\[ {_left(e.left)} = \\begin{{pmatrix}} {body} \\end{{pmatrix}} \\]\n"
 
@@ -153,7 +153,7 @@ def _sum(e: Equation, names: dict[Symbol, str]) -> str:
     """A line of align*, broken where it gets long."""
     lines, length = [f"{_left(e.left)} ={{}}& "], 0
     for k, (sign, term) in enumerate(signed(e.terms)):
-        shown = sympy.latex(term, symbol_names=names)
+        shown = sympy.latex(rounded(term), symbol_names=names)
         size = len(re.sub(r"\\[a-zA-Z]+|[{}_^\\ ]", "", shown)) + 3
         if length and length + size > WIDTH:
             lines.append(" \\\\\n&{}")

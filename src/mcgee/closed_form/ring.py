@@ -44,6 +44,7 @@ class Ring:
         named = [f"{kind}[{_name(f)}]" for f in angles.forms for kind in "sc"]
         named += [str(s) for s in self.symbols] + [f"1/{s}" for s in self.inverses]
         named += [f"sqrt{p}" for p in self.roots]
+        named = [name.encode("ascii", "backslashreplace").decode() for name in named]
         self.context = fmpq_mpoly_ctx.get(tuple(named), Ordering.lex)
         self.generators = self.context.gens()
         self.at = {s: self.first_symbol + i for i, s in enumerate(self.symbols)}

@@ -9,6 +9,7 @@ from sympy import Symbol
 
 from mcgee.closed_form.document import Document, Equation, Name, Section
 from mcgee.closed_form.latex import signed
+from mcgee.closed_form.text import rounded
 
 LETTERS = {"Cqd": "(C qd)"}
 
@@ -43,7 +44,8 @@ def _left(left: Name | Symbol) -> str:
 def _sum(e: Equation, width: int) -> Iterator[str]:
     """A line a few terms."""
     line, indent = f"{_left(e.left)} =", 4 * " "
-    for k, (sign, term) in enumerate(signed(e.terms)):
+    for k, (sign, exact) in enumerate(signed(e.terms)):
+        term = rounded(exact)
         text = f"({term})" if term.is_Add and len(e.terms) > 1 else str(term)
         text = f" {sign} {text}" if k else f" {sign if sign == '-' else ''}{text}"
         if len(line) + len(text) > width and line.strip():
@@ -55,7 +57,7 @@ def _sum(e: Equation, width: int) -> Iterator[str]:
 
 
 def _matrix(e: Equation, width: int) -> Iterator[str]:
-    rows = [[str(x) for x in row] for row in e.rows]
+    rows = [[str(rounded(x)) for x in row] for row in e.rows]
     wide = [max(len(row[j]) for row in rows) for j in range(len(rows[0]))]
     name = f"{_left(e.left)} = "
     for i, row in enumerate(rows):

@@ -47,6 +47,11 @@ def rounded(e: Expr) -> Expr:
     return e.xreplace(put) if put else e
 
 
+def is_rounded(e: Expr) -> bool:
+    """Whether readers see some number without its last digits."""
+    return any(sympy.Rational(str(rounded(x))) != x for x in e.atoms(sympy.Rational))
+
+
 def _decimal(x: sympy.Rational) -> sympy.Rational | sympy.Float:
     for digits in range(1, DIGITS + 1):
         short = sympy.Float(x, digits)

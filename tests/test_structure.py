@@ -25,17 +25,22 @@ MAY_IMPORT = {
     "threads": [],
     "kernels": ["build", "graph", "jit", "threads", "mechanism"],
     "parametric": ["build", "kernels", "mechanism", "robot"],
-    "robot": [  # explain and parametric when asked
-        *("algorithms", "build", "explain", "kernels", "mechanism", "model", "parametric"),
-        *("scalar", "validate"),
+    "robot": [  # closed_form, explain and parametric when asked
+        *("algorithms", "build", "closed_form", "explain", "kernels", "mechanism", "model"),
+        *("parametric", "scalar", "validate"),
     ],
     "formats": ["arms", "model", "robot", "scalar", "validate"],  # arms by name, when asked
     "arms": ["formats", "model", "robot", "scalar"],
     "typeset": [],
-    "explain": ["mechanism", "model", "quantities", "robot", "typeset"],
+    "closed_form": [
+        *("algorithms", "mechanism", "model", "quantities", "robot", "scalar", "writing"),
+    ],
+    "explain": ["mechanism", "model", "quantities", "robot", "typeset", "writing"],
+    "writing": [],
     "audit": ["robot"],
     "cli": [  # algorithms: classic ones
-        *("algorithms", "audit", "build", "explain", "kernels", "robot", "typeset"),
+        *("algorithms", "audit", "build", "closed_form", "explain", "kernels", "robot"),
+        "typeset",
     ],
 }
 LINES_OF_FILE, LINES_OF_FUNCTION = 400, 40
@@ -105,5 +110,5 @@ def test_import_is_light():
     """`import mcgee` loads neither the compiler nor parsers nor plotting."""
     code = "import sys, mcgee; print(*sys.modules)"
     loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout
-    heavy = {"llvmlite", "lxml", "sympy", "typer", "rich", "scipy", "plotly"}
+    heavy = {"llvmlite", "lxml", "sympy", "flint", "typer", "rich", "scipy", "plotly"}
     assert not heavy & set(loaded.split())

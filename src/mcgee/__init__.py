@@ -1,5 +1,9 @@
 """mcgee: the terms of a robot arm's equation of motion, M(q) qdd + C(q, qd) qd + g(q) = tau."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
 from mcgee import arms, audit
 from mcgee.errors import ModelError, ModelWarning
 from mcgee.formats.dh import from_dh
@@ -8,6 +12,9 @@ from mcgee.robot import ForwardDerivatives, InverseDerivatives, Limits, Robot, T
 from mcgee.threads import num_threads, set_num_threads
 
 __version__ = "0.1.0"
+
+if TYPE_CHECKING:
+    from mcgee.closed_form import lagrange
 
 __all__ = [
     "ForwardDerivatives",
@@ -20,7 +27,17 @@ __all__ = [
     "arms",
     "audit",
     "from_dh",
+    "lagrange",
     "load",
     "num_threads",
     "set_num_threads",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """`lagrange` brings SymPy, which takes longer to import than all else."""
+    if name == "lagrange":
+        from mcgee.closed_form import lagrange
+
+        return lagrange
+    raise AttributeError(f"module 'mcgee' has no attribute {name!r}")

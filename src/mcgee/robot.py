@@ -26,6 +26,7 @@ from mcgee.model import Frame, Joint, Link, Vec3, is_number, map_numbers
 from mcgee.scalar import Scalar, plain
 
 if TYPE_CHECKING:
+    from mcgee.closed_form import ClosedForm
     from mcgee.explain import Explanation
     from mcgee.parametric import Parametric
 
@@ -566,6 +567,25 @@ class Robot:
         from mcgee.explain import explain
 
         return explain(self, q, qd, qdd, self._frame(frame))
+
+    def closed_form(
+        self, *, symbolic_inertias: bool = False, simplify: str = "expanded"
+    ) -> ClosedForm:
+        """T, P, M, C, g and tau as exact formulas, for numbers and for symbolic parameters.
+
+        Args:
+            symbolic_inertias: put symbols in the place of all inertial parameters, ten for each
+                moving body in the order of `inertial_parameters`: m1, hx1 = m1 cx1, …, Izz1
+            simplify: 'expanded', 'collected' by configuration, or 'lumped', where each
+                combination of parameters has a name
+        Returns: a ClosedForm: .M .C .Cqd .g .T .P, .prove(), .base_parameters(), .latex()
+        Raises: ValueError: an unknown simplify; a parameter that is no polynomial in symbols and
+            cosines and sines of symbols; a symbol with a name that the formulas need
+        Source: the algorithms of this class on polynomials; see mcgee.closed_form.ring
+        """
+        from mcgee.closed_form import closed_form
+
+        return closed_form(self, symbolic_inertias, simplify)
 
     def _frame(self, frame: str | None) -> str:
         name = self.end_frame if frame is None else frame

@@ -18,6 +18,8 @@ Scalar = Any
 
 def cos_sin(x: Scalar) -> tuple[Scalar, Scalar]:
     """(cos x, sin x) by the scalar's own method `cos_sin`, or else by the library it comes from."""
+    if isinstance(x, int) and x == 0:
+        return 1, 0  # not 1.0 and 0.0, which would make exact scalars floats
     if isinstance(x, (float, int)):
         return math.cos(x), math.sin(x)
     if isinstance(x, complex):

@@ -14,6 +14,7 @@ import typer
 
 import mcgee
 from mcgee.cli import bench as bench_view
+from mcgee.cli import derive as derive_view
 from mcgee.cli import explain as explain_view
 from mcgee.cli import terms as terms_view
 from mcgee.cli.state import read_state
@@ -128,6 +129,47 @@ def explain(
             explanation.to_html(html)
             typer.echo(f"mcgee: wrote {html}", err=True)
         explain_view.print_json(explanation) if json else explain_view.print_report(explanation)
+
+
+@app.command(no_args_is_help=True, epilog="Example:  mcgee derive planar_2r --html arm.html")
+def derive(
+    robot: RobotArgument,
+    simplify: Annotated[
+        str,
+        typer.Option(
+            "--simplify",
+            metavar="WAY",
+            help="expanded, collected by configuration, or lumped: constants named once.",
+        ),
+    ] = "collected",
+    symbolic: Annotated[
+        bool, typer.Option("--symbolic", help="Ten symbols for the inertia of every body.")
+    ] = False,
+    limit: Annotated[
+        int | None,
+        typer.Option(
+            "--limit", metavar="N", min=0, help="Terms a section shows at most; 0 for all."
+        ),
+    ] = None,
+    latex: Annotated[
+        Path | None, typer.Option("--latex", metavar="FILE", help="Write an article.")
+    ] = None,
+    html: Annotated[
+        Path | None, typer.Option("--html", metavar="FILE", help="Write a page.")
+    ] = None,
+    json: JsonOption = False,
+) -> None:
+    """Derive T, P, M, C and g as exact formulas, and prove them."""
+    with reported():
+        form = derive_view.derived(mcgee.load(robot), simplify, symbolic)
+        most = (limit or None) if limit is not None else derive_view.FILES
+        for path in derive_view.write(form, most, latex, html):
+            typer.echo(f"mcgee: wrote {path}", err=True)
+        if json:
+            derive_view.print_json(form)
+        elif latex is None and html is None:
+            most = (limit or None) if limit is not None else derive_view.TERMINAL
+            derive_view.print_report(form, most)
 
 
 @app.command(no_args_is_help=True, epilog="Example:  mcgee bench ur5e --counts")

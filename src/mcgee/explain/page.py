@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import json
-import os
 import re
-import tempfile
 from html import escape
 from importlib import resources
 from pathlib import Path
@@ -13,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from mcgee.explain.look import DARK, plotly
 from mcgee.explain.sections import Page
+from mcgee.writing import write_whole
 
 if TYPE_CHECKING:
     from mcgee.explain.explanation import Explanation
@@ -26,44 +25,7 @@ def write_page(e: Explanation, path: Path) -> Path:
         ValueError: the path cannot be written
         ModuleNotFoundError: Plotly or SciPy is not installed (mcgee[plot])
     """
-    try:
-        _check(path)
-        _replace(path, page(e))
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise ValueError(f"cannot write the page to '{path}': {reason}.") from error
-    return path
-
-
-def _check(path: Path) -> None:
-    """Before the page's work is done."""
-    if path.is_dir():
-        raise ValueError(f"cannot write the page to '{path}': it is a folder. Name a file in it.")
-    if not path.parent.is_dir():
-        raise ValueError(
-            f"cannot write the page to '{path}': there is no folder '{path.parent}'. Make it first."
-        )
-    if not os.access(path.parent, os.W_OK | os.X_OK):
-        raise ValueError(f"cannot write the page to '{path}': '{path.parent}' is not writable.")
-
-
-def _replace(path: Path, text: str) -> None:
-    """Into a temporary file beside it, which then takes its place."""
-    handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent)
-    try:
-        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
-            file.write(text)
-        os.chmod(name, 0o666 & ~_umask())  # mkstemp's own is for its user alone
-        os.replace(name, path)
-    except BaseException:
-        os.unlink(name)
-        raise
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
+    return write_whole(path, "the page", lambda: page(e))
 
 
 def page(e: Explanation) -> str:

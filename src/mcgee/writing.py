@@ -1,0 +1,57 @@
+"""Files for people, written whole or not at all."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+
+def write_whole(path: Path, what: str, text: Callable[[], str]) -> Path:
+    """Write a file, or leave what was there.
+
+    Args:
+        what: for messages, as in "the page"
+        text: makes the text, once it is known that the place is good
+    Returns: the path
+    Raises: ValueError: the path cannot be written
+    """
+    try:
+        _check(path, what)
+        _replace(path, text())
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise ValueError(f"cannot write {what} to '{path}': {reason}.") from error
+    return path
+
+
+def _check(path: Path, what: str) -> None:
+    """Before the text is made."""
+    if path.is_dir():
+        raise ValueError(f"cannot write {what} to '{path}': it is a folder. Name a file in it.")
+    if not path.parent.is_dir():
+        raise ValueError(
+            f"cannot write {what} to '{path}': there is no folder '{path.parent}'. Make it first."
+        )
+    if not os.access(path.parent, os.W_OK | os.X_OK):
+        raise ValueError(f"cannot write {what} to '{path}': '{path.parent}' is not writable.")
+
+
+def _replace(path: Path, text: str) -> None:
+    """Into a temporary file beside it, which then takes its place."""
+    handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent)
+    try:
+        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
+            file.write(text)
+        os.chmod(name, 0o666 & ~_umask())  # mkstemp's own is for its user alone
+        os.replace(name, path)
+    except BaseException:
+        os.unlink(name)
+        raise
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask

@@ -7,10 +7,10 @@ import re
 import stat
 import sys
 
-import chromium
 import numpy as np
 import pytest
 
+import chromium
 from mcgee.explain.page import page, script_json, write_page
 from robots import built_in, loaded
 

@@ -2,7 +2,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: demo test lint bench clean
+.PHONY: demo test lint bench bench-closed-forms clean
 
 demo: .venv/installed
 	$(BIN)/mcgee explain planar_2r --q 0.5,0.3 --qd 0.1,-0.2 --html planar_2r.html
@@ -19,6 +19,9 @@ lint: .venv/installed-test
 
 bench: .venv/installed-test
 	env -u OPENBLAS_CORETYPE -u OPENBLAS_L2_SIZE $(BIN)/python benchmarks/compare.py --chains
+
+bench-closed-forms: .venv/installed-test
+	$(BIN)/python benchmarks/closed_forms.py
 
 .venv/installed: pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and \

@@ -127,8 +127,8 @@ def at_hand(names: list[str], arm: mcgee.Robot, file: Path) -> dict[str, dict]:
     for name in filter(None, names):
         try:
             found[name] = importlib.import_module(f"peers.{name}").functions(arm, file)
-        except (ImportError, AbsentError, ValueError, RuntimeError) as reason:
-            print(f"{name}: absent ({reason})")
+        except Exception as reason:  # not to be had, or its own reader cannot take the file
+            print(f"{name}: absent ({type(reason).__name__}: {reason})")
     return found
 
 

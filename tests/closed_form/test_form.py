@@ -8,6 +8,7 @@ import sympy
 
 import mcgee
 from mcgee import arms
+from mcgee.closed_form import ring
 from robots import built_in, interpreted
 
 m, l, alpha = sympy.symbols("m l alpha")
@@ -118,3 +119,12 @@ def test_large_formulas_are_not_printed():
     text = str(built_in("panda").closed_form())
     assert "… 3" in text
     assert len(text) < 500_000
+
+
+def test_what_would_not_fit_is_refused(monkeypatch):
+    monkeypatch.setattr(ring, "MOST", 200)
+    assert mcgee.load("puma560").closed_form().terms("M") < 200
+    with pytest.raises(
+        ValueError, match=r"has a formula of more than 200 terms, .* Put numbers in"
+    ):
+        mcgee.load("puma560").closed_form(symbolic_inertias=True)

@@ -23,6 +23,10 @@ TRANSCENDENTAL = {c: sympy.Dummy(str(c), positive=True) for c in (sympy.pi, symp
 """What stands for π and e, which no relation binds; no symbol of a user's is the same."""
 
 
+MOST = 500_000
+"""Terms of two factors together beyond which a product is refused."""
+
+
 def rational(x: Scalar) -> Fraction:
     """The number that was evidently written: of a float its shortest decimal, 0.1 is 1/10."""
     return Fraction(repr(float(x))) if isinstance(x, float) else Fraction(x)
@@ -119,6 +123,13 @@ class Ring:
     # -- what keeps the normal form ---------------------------------------------------------------
 
     def product(self, a: Polynomial, b: Polynomial) -> Polynomial:
+        if len(a.p) + len(b.p) > MOST:
+            raise ValueError(
+                f"the closed form has a formula of more than {MOST:,} terms, which nobody reads and "
+                f"memory hardly holds. Put numbers in for symbols with .subs, leave out "
+                f"symbolic_inertias, or give axes in general directions as multiples of 15°: each "
+                f"of them makes formulas some five times as long."
+            )
         p, mask = a.p * b.p, a.mask | b.mask
         squared = a.mask & b.mask
         while squared:

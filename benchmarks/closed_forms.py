@@ -1,8 +1,8 @@
 """Closed forms beside SymPy's mechanics module and skidy, in one run: `make bench-closed-forms`.
 
-Each subject runs in a process of its own and is stopped after a while. Times are medians over
-rounds of what a user waits for once the library is imported: from the robot to the exact objects, and
-to the first printed formula. Writes CLOSED_FORMS.md.
+Each subject runs in a process of its own and is stopped after a while. Times are what a user waits
+for once the library is imported: from the robot to the exact objects, and to the first printed
+formula; of mcgee medians over rounds. Writes CLOSED_FORMS.md.
 """
 
 from __future__ import annotations
@@ -30,8 +30,26 @@ ARMS = ("scara", "stanford", "puma560", "ur5e", "panda")
 SUBJECTS = (
     *((name, "symbols") for name in PLANAR),
     *((name, "symbolic inertias") for name in ARMS),
+    ("puma560", "all symbols"),
+    ("panda", "all symbols"),
     ("panda", "numbers"),
 )
+LENGTHS = {
+    "puma560": (
+        *({"alpha": 90}, {"a": "a2"}, {"a": "a3", "d": "d3", "alpha": -90}),
+        *({"d": "d4", "alpha": 90}, {"alpha": -90}, {}),
+    ),
+    "panda": (
+        *({"d": "d1", "alpha": -90}, {"alpha": 90}, {"d": "d3", "a": "a4", "alpha": 90}),
+        *(
+            {"a": "-a4", "alpha": -90},
+            {"d": "d5", "alpha": 90},
+            {"a": "a7", "alpha": 90},
+            {"d": "d7"},
+        ),
+    ),
+}
+"""Standard Denavit-Hartenberg rows, angles in degrees."""
 PLANAR_ONLY = ("sympy", "skidy")
 
 
@@ -91,8 +109,11 @@ def mcgee(robot: str, kind: str, rounds: int) -> dict[str, Any]:
     import mcgee
 
     warnings.simplefilter("ignore")
-    arm = planar(PLANAR[robot]) if robot in PLANAR else mcgee.load(robot)
-    symbolic = kind == "symbolic inertias"
+    symbolic = kind in ("symbolic inertias", "all symbols")
+    if robot in PLANAR:
+        arm = planar(PLANAR[robot])
+    else:
+        arm = of_lengths(LENGTHS[robot]) if kind == "all symbols" else mcgee.load(robot)
     arm.closed_form(symbolic_inertias=symbolic)  # what is imported at first use
 
     def derive(_: None) -> Any:
@@ -101,7 +122,7 @@ def mcgee(robot: str, kind: str, rounds: int) -> dict[str, Any]:
         return form
 
     def show(form: Any) -> Any:
-        str(form.M[0, 0] if robot != "panda" else form.g[1])
+        str(form.M[0, 0])
         return form
 
     exact, first = timed(rounds, derive, show)
@@ -130,6 +151,21 @@ def planar(n: int) -> Any:
         m, l, lc, I = sympy.symbols(f"m{i} l{i} lc{i} I{i}", positive=True)
         rows.append({"a": l, "m": m, "r": (lc - l, 0, 0), "I": (0, 0, I)})
     return mcgee.from_dh(rows).replace(gravity_vector=(0, -g0, 0))
+
+
+def of_lengths(rows: tuple[dict[str, Any], ...]) -> Any:
+    import math
+
+    import sympy
+
+    import mcgee
+
+    def row(given: dict[str, Any]) -> dict[str, Any]:
+        lengths = {key: sympy.sympify(x) for key, x in given.items() if key != "alpha"}
+        body = {"m": 1, "r": (0, 0, 0), "I": (1, 1, 1)}  # symbols take the place of these
+        return lengths | {"alpha": math.radians(given.get("alpha", 0))} | body
+
+    return mcgee.from_dh([row(given) for given in rows])
 
 
 # -- SymPy ----------------------------------------------------------------------------------------
@@ -207,16 +243,16 @@ def skidy(robot: str, kind: str, rounds: int) -> dict[str, Any]:
         robot = SymbolicKinDyn(
             gravity_vector=Matrix([0, -symbols("g0"), 0]),
             ee=transformation_matrix(t=[reach, 0, 0]),
-            A=poses,
-            Y=screws,
+            body_ref_config=poses,
+            joint_screw_coord=screws,
             Mb=masses,
             q=Matrix(q),
             qd=Matrix(qd),
             q2d=Matrix(q2d),
             config_representation="spatial",
         )
-        robot.closed_form_kinematics_body_fixed(simplify=True)
-        robot.closed_form_inv_dyn_body_fixed(simplify=True)
+        robot.closed_form_kinematics_body_fixed(simplify=True, parallel=False)
+        robot.closed_form_inv_dyn_body_fixed(simplify=True, parallel=False)
         return robot
 
     def show(robot: Any) -> Any:
@@ -242,10 +278,11 @@ def as_markdown(rows: list[dict[str, Any]]) -> str:
         + ", ".join(f"{name} {_version(name)}" for name in ("python-flint", "sympy", "skidy")),
         "",
         "From the robot to the exact objects (for mcgee M, C, C qd, g, T, P and all Christoffel",
-        "symbols; for the others M and the equations of motion), then to a first printed formula;",
+        "symbols; for the others, which were given planar arms alone, M and the equations of",
+        "motion), then to the first printed formula, M11;",
         "proofs and base parameters on top; terms of M11, M and all Christoffel symbols together.",
         "",
-        "| robot | parameters | by | exact | first formula | proofs | base | M11 | M | Christoffel |",
+        "| robot | parameters | by | exact | first formula | proofs | base | M11 | M | c |",
         "|---|---|---|--:|--:|--:|--:|--:|--:|--:|",
     ]
     for row in rows:

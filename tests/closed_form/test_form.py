@@ -124,7 +124,5 @@ def test_large_formulas_are_not_printed():
 def test_what_would_not_fit_is_refused(monkeypatch):
     monkeypatch.setattr(ring, "MOST", 200)
     assert mcgee.load("puma560").closed_form().terms("M") < 200
-    with pytest.raises(
-        ValueError, match=r"has a formula of more than 200 terms, .* Put numbers in"
-    ):
+    with pytest.raises(ValueError, match=r"formula of more than 200 terms, .* Put numbers in"):
         mcgee.load("puma560").closed_form(symbolic_inertias=True)

@@ -125,10 +125,10 @@ class Ring:
     def product(self, a: Polynomial, b: Polynomial) -> Polynomial:
         if len(a.p) + len(b.p) > MOST:
             raise ValueError(
-                f"the closed form has a formula of more than {MOST:,} terms, which nobody reads and "
-                f"memory hardly holds. Put numbers in for symbols with .subs, leave out "
-                f"symbolic_inertias, or give axes in general directions as multiples of 15°: each "
-                f"of them makes formulas some five times as long."
+                f"the closed form has a formula of more than {MOST:,} terms, which nobody reads. "
+                f"Put numbers in for symbols with .subs, leave out symbolic_inertias, or give axes "
+                f"in general directions as multiples of 15°: each of them makes formulas some five "
+                f"times as long."
             )
         p, mask = a.p * b.p, a.mask | b.mask
         squared = a.mask & b.mask

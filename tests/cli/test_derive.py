@@ -80,6 +80,10 @@ def test_a_limit():
     [
         (["nothing"], "mcgee: error: "),
         (["planar_2r", "--simplify", "much"], "mcgee: error: simplify is 'much', expected one of"),
+        (
+            ["planar_2r", "--html", "x", "--latex", "x"],
+            "mcgee: error: --latex and --html both name",
+        ),
         (["planar_2r", "--html", "/nowhere/a.html"], "mcgee: error: cannot write the page to"),
     ],
 )

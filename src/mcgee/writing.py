@@ -18,12 +18,16 @@ def write_whole(path: Path, what: str, text: Callable[[], str]) -> Path:
     Raises: ValueError: the path cannot be written
     """
     try:
+        path_as_given, path = path, path.resolve()  # a link stays a link
         _check(path, what)
-        _replace(path, text())
+        if path.exists() and not path.is_file():  # a pipe, a device
+            path.write_text(text(), encoding="utf-8")
+        else:
+            _replace(path, text())
     except OSError as error:
         reason = error.strerror or str(error)
         raise ValueError(f"cannot write {what} to '{path}': {reason}.") from error
-    return path
+    return path_as_given
 
 
 def _check(path: Path, what: str) -> None:

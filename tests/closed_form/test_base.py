@@ -103,3 +103,11 @@ def test_without_links():
     form = mcgee.lagrange(qd**2 / 2, sympy.sin(q), [q], [qd])
     with pytest.raises(ValueError, match="made from energies and has no links, so no inertial"):
         form.base_parameters()
+
+
+def test_several_bodies_on_one_coordinate():
+    """Whose parameters are felt through one row alone: it takes as many states as they are."""
+    robot = random_tree(89, bodies=5, mimic=0.5, prismatic=0, exact=True, aligned=0.4)
+    base = robot.closed_form().base_parameters()
+    assert base.identity.holds
+    assert len(base) == 25

@@ -1,6 +1,8 @@
 """What robots with symbols can and cannot have, and what bad arguments get."""
 
+import copy
 import math
+import pickle
 
 import numpy as np
 import pytest
@@ -9,7 +11,7 @@ import sympy
 import mcgee
 from mcgee import arms
 from mcgee.closed_form import ring
-from robots import built_in, interpreted
+from robots import built_in, interpreted, random_tree
 
 m, l, alpha = sympy.symbols("m l alpha")
 
@@ -126,3 +128,27 @@ def test_what_would_not_fit_is_refused(monkeypatch):
     assert mcgee.load("puma560").closed_form().terms("M") < 200
     with pytest.raises(ValueError, match=r"formula of more than 200 terms, .* Put numbers in"):
         mcgee.load("puma560").closed_form(symbolic_inertias=True)
+
+
+def test_one_state_and_states_that_broadcast():
+    form = arms.planar_2r().closed_form()
+    assert form.evaluate("P", [0.1, 0.2]) == pytest.approx(
+        arms.planar_2r().potential_energy([0.1, 0.2])
+    )
+    assert form.evaluate("Cqd", [0.1, 0.2], np.ones((5, 2))).shape == (5, 2)
+    assert form.evaluate("T", np.zeros((3, 1, 2)), np.ones((4, 2))).shape == (3, 4)
+
+
+@pytest.mark.parametrize("simplify", ["expanded", "lumped"])
+def test_forms_are_copied_and_pickled(simplify):
+    form = arms.planar_2r(m1=m).closed_form(simplify=simplify)
+    for other in (pickle.loads(pickle.dumps(form)), copy.deepcopy(form)):
+        assert (other.M, other.simplify, other.lumps) == (form.M, simplify, form.lumps)
+    own = mcgee.lagrange(sympy.Symbol("v") ** 2, 0, [sympy.Symbol("x")], [sympy.Symbol("v")])
+    assert pickle.loads(pickle.dumps(own)).M == own.M
+
+
+def test_general_rotations_are_shown_in_a_moment():
+    """Denominators of hundreds of bits are not factored."""
+    form = random_tree(5, bodies=3).closed_form()
+    assert "M11 = " in str(form)

@@ -35,7 +35,10 @@ def test_the_lessons_energies_give_the_arm(arm):
     assert own.g == arm.g
     proof = own.prove()
     assert proof
-    assert [i.name for i in proof] == ["skew", "kinetic energy", "power", "M without q1"]
+    assert [i.name for i in proof] == [
+        *("skew", "kinetic energy", "power", "M without q1", "positive definite"),
+    ]
+    assert proof["positive definite"].how == "undecided"
 
 
 def test_the_lessons_slip_is_found(arm):
@@ -92,6 +95,19 @@ def test_a_users_e_is_not_eulers():
     assert own.evaluate("g", [0.0], values={"E": 2.0})[0] == pytest.approx(2 + math.e)
 
 
+TIME = dynamicsymbols._t
+(X,) = dynamicsymbols("q1:2")
+
+
+def test_a_users_angle_is_not_a_named_one():
+    k, phi1 = sympy.symbols("k phi1")
+    own = mcgee.lagrange(qd1**2, k * cos(q1 + 0.3) + k * cos(q1 + phi1), [q1], [qd1])
+    values = {"k": 2.0, "phi1": 1.1}
+    assert own.evaluate("g", [0.2], values=values)[0] == pytest.approx(
+        -2 * (math.sin(0.5) + math.sin(1.3))
+    )
+
+
 @pytest.mark.parametrize(
     ("T", "P", "q", "qd", "sentence"),
     [
@@ -114,6 +130,19 @@ def test_a_users_e_is_not_eulers():
         ),
         (qd1**2, sin(q1**2), [q1], [qd1], r"P has the part q1\*\*2, which is no trigonometric"),
         (sympy.sqrt(l1) * qd1**2, q1, [q1], [qd1], r"T has the part sqrt\(l1\), which is no"),
+        (None, q1, [q1], [qd1], "T is None, expected a SymPy expression"),
+        ("m*qd1**", q1, [q1], [qd1], r"T is 'm\*qd1\*\*', expected a SymPy expression"),
+        (qd1**2, cos(q1 + sympy.I), [q1], [qd1], "P has the imaginary unit in it"),
+        (qd1**2, sympy.Symbol("A", commutative=False), [q1], [qd1], "P has A in it"),
+        (qd1**2, q1, q1, qd1, "q is q1, expected a list"),
+        (
+            *(qd1**2, cos(sympy.Symbol("q1", real=True)), [q1], [qd1]),
+            "P has a symbol 'q1' that is not the coordinate or velocity of that name",
+        ),
+        (TIME * X.diff() ** 2, X, [X], [X.diff()], "T depends on time by itself"),
+        (X.diff() ** 2, TIME * X, [X], [X.diff()], "P depends on time by itself"),
+        (X.diff() ** 2, X, [X], [X.diff(TIME, 2)], r"velocity .* is not .*, that of q1\(t\)"),
+        (X.diff() ** 2, (X - q1) ** 2, [X], [X.diff()], "P has a symbol 'q1' that is not the coo"),
     ],
 )
 def test_what_is_refused(T, P, q, qd, sentence):

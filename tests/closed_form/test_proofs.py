@@ -186,3 +186,36 @@ class TestPositiveDefinite:
         assert found.how == "false"
         assert not found.holds
         assert str(found).startswith("FALSE     M is positive definite: 'joint2' alone is not ")
+
+
+INERTIAL = (
+    '<inertial><origin xyz="0.1 0 0.2"/><mass value="1"/>'
+    '<inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial>'
+)
+GEARED = f"""<robot name="geared"><link name="base"/>
+<joint name="j1" type="continuous"><parent link="base"/><child link="l1"/>
+<axis xyz="0 1 0"/></joint>
+<link name="l1">{INERTIAL}</link>
+<joint name="j2" type="continuous"><parent link="l1"/><child link="l2"/><axis xyz="0 1 0"/>
+<origin xyz="0 0 0.5"/><mimic joint="j1" multiplier="{{}}"/></joint>
+<link name="l2">{INERTIAL}</link></robot>"""
+
+
+@pytest.mark.parametrize("factor", [4, 5, 10])
+def test_gears_of_many_turns_prove_nothing_false(factor, tmp_path):
+    """cos 5q is a generator beside cos q: what is not seen to be 0 is not said to be false."""
+    path = tmp_path / "geared.urdf"
+    path.write_text(GEARED.format(factor))
+    arm = mcgee.load(path)
+    proof = arm.closed_form().prove()
+    assert proof
+    assert "FALSE" not in str(proof)
+
+
+def test_equality_that_is_not_decided_is_not_denied():
+    q, v, k = sympy.symbols("q1 qd1 k")
+    one = mcgee.lagrange(v**2, k * sympy.cos(5 * q), [q], [v])
+    other = mcgee.lagrange(v**2, k * sympy.expand_trig(sympy.cos(5 * q)), [q], [v])
+    found = one.compare(other)
+    assert not found
+    assert str(found["g"]).startswith("undecided the same g")

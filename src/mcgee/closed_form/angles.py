@@ -85,6 +85,11 @@ class Basis:
         ]
         self.forms = [*self.independent, *loose]
 
+    @property
+    def loose(self) -> bool:
+        """Whether some angles are generators of their own, though not independent."""
+        return len(self.forms) > len(self.independent)
+
     def multiples(self, f: Form) -> list[tuple[int, int]]:
         """(index of a basis angle, how many times) of which f is the sum."""
         for sign in (1, -1):

@@ -11,6 +11,7 @@ Source: Gautier & Khalil 1990.
 from __future__ import annotations
 
 import random
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -68,7 +69,18 @@ class BaseParameters(tuple):
 
 
 def base_parameters(e: ExactRobot) -> BaseParameters:
-    """Of an exact robot."""
+    """Of an exact robot.
+
+    Relations that hold at too few states are found out by the identity; more are then drawn.
+    """
+    for times in (1, 4, 16):
+        found = _base_parameters(e, times)
+        if found.identity is None or found.identity.holds:
+            break
+    return found
+
+
+def _base_parameters(e: ExactRobot, times: int) -> BaseParameters:
     light = _light(e)
     columns = [
         TEN * i + k
@@ -76,7 +88,7 @@ def base_parameters(e: ExactRobot) -> BaseParameters:
         for k in (PRISMATIC if body.prismatic else REVOLUTE)
     ]
     grouped = _grouped(e)
-    base, others = _relations(e, light, columns)
+    base, others = _relations(e, light, columns, times)
     writer = Writer(e.ring, e.q, (*e.qd, *e.qdd))
     found, sums = [], []
     for c in base:
@@ -158,10 +170,10 @@ def _identity(
 
 
 def _relations(
-    e: ExactRobot, light: Mechanism, columns: Sequence[int]
+    e: ExactRobot, light: Mechanism, columns: Sequence[int], times: int
 ) -> tuple[list[int], dict[int, dict[int, Factor]]]:
     """(base columns, every other one as a sum of these)."""
-    rows = _samples(e, light, columns)
+    rows = _samples(e, light, columns, times)
     constants = [[e.ring(x) for x in row] for row in rows]
     if all(x.p.is_constant() for row in constants for x in row):
         matrix = fmpq_mat([[_number(x) for x in row] for row in constants])
@@ -188,12 +200,16 @@ def _number(x: Polynomial) -> fmpq:
     return x.p.leading_coefficient() if x else fmpq(0)
 
 
-def _samples(e: ExactRobot, light: Mechanism, columns: Sequence[int]) -> list[list[Scalar]]:
+def _samples(
+    e: ExactRobot, light: Mechanism, columns: Sequence[int], times: int
+) -> list[list[Scalar]]:
     """Rows of the regressor at random rational states, constants left as they are."""
     draw, rows = random.Random(0), []
     names = e.ring.context.names()
     moving = {*e.q, *e.qd, *e.qdd}
-    for _ in range(len(columns) // e.mechanism.n + 3):
+    felt = Counter(light.bodies[c // TEN].coordinate for c in columns)
+    states = max(len(columns) // e.mechanism.n, *felt.values()) + 3
+    for _ in range(times * states):
         values: dict[str | int, int | fmpz | fmpq] = {}
         for i, angle in enumerate(e.ring.angles.forms):
             if any(s in moving for s, _ in angle):

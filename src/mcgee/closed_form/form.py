@@ -23,7 +23,7 @@ from mcgee.closed_form.evaluate import Compiled, values_of
 from mcgee.closed_form.exact import ExactRobot, exact
 from mcgee.closed_form.expression import WAYS, Writer
 from mcgee.closed_form.lumps import Lumps
-from mcgee.closed_form.proof import Proof
+from mcgee.closed_form.proof import Definiteness, Proof
 from mcgee.closed_form.ring import Polynomial
 from mcgee.closed_form.terms import readable
 from mcgee.closed_form.text import plain_text
@@ -88,6 +88,7 @@ class ClosedForm:
             raise ValueError(f"simplify is {simplify!r}, expected one of: {', '.join(WAYS)}.")
         self.name, self.exact, self.simplify = name, dynamics, simplify
         self.robot = robot
+        self.made_by: tuple[Callable[..., ClosedForm], tuple] | None = None
         self._compiled: dict[str, list[Compiled]] = {}
         self.writer = Writer(dynamics.ring, dynamics.q, (*dynamics.qd, *dynamics.qdd))
 
@@ -176,7 +177,15 @@ class ClosedForm:
 
     def simplified(self, simplify: str) -> ClosedForm:
         """The same, written another way: 'expanded', 'collected' or 'lumped'."""
-        return ClosedForm(self.name, self.exact, self.robot, simplify)
+        form = ClosedForm(self.name, self.exact, self.robot, simplify)
+        form.made_by = self.made_by
+        return form
+
+    def __reduce__(self) -> tuple:
+        """Derived again where it is unpickled, which takes less than reading polynomials would."""
+        if self.made_by is None:
+            raise TypeError("only closed forms of robots and of energies can be pickled.")
+        return _again, (*self.made_by, self.simplify)
 
     def terms(self, quantity: str) -> int:
         """How many terms the polynomials of 'M', 'christoffel', … have together."""
@@ -222,6 +231,7 @@ class ClosedForm:
         table: dict[Symbol, Any] = dict(self.constants)
         table |= {s: float(v) for s, v in self._by_symbol(values or {}).items()}
         q = np.asarray(q, float)
+        leads = []
         for what, symbols, given in (("q", self.q, q), ("qd", self.qd, qd), ("qdd", self.qdd, qdd)):
             array = np.zeros_like(q) if given is None else np.asarray(given, float)
             if array.shape[-1:] != (self.n,):
@@ -229,11 +239,12 @@ class ClosedForm:
                     f"{what} has shape {array.shape}, expected (..., {self.n}) for '{self.name}'."
                 )
             table |= dict(zip(symbols, np.moveaxis(array, -1, 0), strict=True))
+            leads.append(array.shape[:-1])
         generators = values_of(self.exact.ring, table)
-        lead = q.shape[:-1]
+        lead = np.broadcast_shapes(*leads)
         entries = [np.broadcast_to(x(generators), lead) for x in self._compiled[quantity]]
         shape = np.shape(np.empty([self.n] * _depth(getattr(self.exact, quantity))))
-        return np.stack(entries, -1).reshape(*lead, *shape)
+        return np.stack(entries, -1).reshape((*lead, *shape))
 
     def _by_symbol(self, values: Mapping[Any, float]) -> dict[Symbol, float]:
         ring = self.exact.ring
@@ -255,7 +266,9 @@ class ClosedForm:
         """
         d, robot = self.exact, self.robot
         if robot is None:
-            return Proof([*identities.of_any(d, d.tau), *identities.still(d)])
+            found = [*identities.of_any(d, d.tau), *identities.still(d)]
+            why = "a system's own energies are not known to be sums of squares."
+            return Proof([*found, Definiteness("undecided", why)])
         tau = identities.newton_euler(robot)
         found = [*identities.of_robot(robot, d, tau), *identities.of_any(d, tau)]
         return Proof([*found, *identities.still(d), definiteness(robot, d)])
@@ -319,7 +332,14 @@ class ClosedForm:
 
 def closed_form(robot: Robot, symbolic_inertias: bool, simplify: str) -> ClosedForm:
     """See Robot.closed_form."""
-    return of_exact(robot.name, exact(robot, symbolic_inertias), simplify)
+    form = of_exact(robot.name, exact(robot, symbolic_inertias), simplify)
+    form.made_by = closed_form, (robot, symbolic_inertias, "expanded")
+    return form
+
+
+def _again(make: Callable[..., ClosedForm], given: tuple, simplify: str) -> ClosedForm:
+    form = make(*given)
+    return form if form.simplify == simplify else form.simplified(simplify)
 
 
 def of_exact(name: str, e: ExactRobot, simplify: str) -> ClosedForm:

@@ -45,7 +45,7 @@ class _Printer(MathMLPresentationPrinter):
 
     def _of(self, tag: str, content: str) -> Any:
         node = self.dom.createElement(tag)
-        node.appendChild(self.dom.createTextNode(content))
+        node.appendChild(self.dom.createTextNode(escape(content)))  # SymPy writes it as it is
         return node
 
     def _around(self, tag: str, *inside: Any) -> Any:

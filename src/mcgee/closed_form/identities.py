@@ -64,6 +64,8 @@ def _in_own_frames(e: ExactRobot, d: Dynamics) -> Iterator[Identity]:
 
     Nothing of how `d` was found comes in. Left out where gears make angles of their own.
     """
+    if d.ring.angles.loose:  # what is 0 might not be seen to be
+        return
     try:
         positions = e.positions()
     except ValueError:

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any, NoReturn
 
 import sympy
-from sympy import Symbol
+from sympy import Expr, Symbol
 from sympy.core.function import AppliedUndef
 
 from mcgee.closed_form.dynamics import Dynamics
@@ -35,29 +35,78 @@ def lagrange(T: Any, P: Any, q: Sequence[Any], qd: Sequence[Any]) -> ClosedForm:
     Raises: ValueError: energies that are not polynomials in qd, symbols and cosines and sines of
         sums of coordinates; the sentence names the energy and the term
     """
-    names, rates = _symbols(list(q), list(qd))
+    given = {"T": _expression("T", T), "P": _expression("P", P)}
+    old = _listed("q", q), _listed("qd", qd)
+    names, rates = _symbols(*old)
+    _check_names(given, old, (*names, *rates))
     puts = [
-        dict(zip(map(sympy.sympify, old), new, strict=True))
-        for old, new in ((qd, rates), (q, names))
+        dict(zip(a, b, strict=True)) for a, b in zip(reversed(old), (rates, names), strict=True)
     ]
-    energies = {}
-    for what, energy in (("T", T), ("P", P)):
-        energies[what] = sympy.sympify(energy).xreplace(puts[0]).xreplace(puts[1])
+    energies = {w: e.xreplace(puts[0]).xreplace(puts[1]) for w, e in given.items()}
+    _check_time(energies, old[0])
     taken = {str(s) for e in energies.values() for s in e.free_symbols} | set(map(str, names))
     accelerations = [_free(_rate_name(str(s), "dd"), taken) for s in names]
     constants: dict[Symbol, float] = {}
     needs = Needs()
     for what, energy in energies.items():
-        Reader(needs, constants, _refuse(what)).number(energy)
+        Reader(needs, constants, _refuse(what), taken).number(energy)
     _check_needs(needs, names, rates)
     ring = needs.ring(symbols=(*rates, *accelerations))
-    t, p = (ring(Reader(ring, constants, _refuse(w)).number(x)) for w, x in energies.items())
+    t, p = (ring(Reader(ring, constants, _refuse(w), taken).number(x)) for w, x in energies.items())
     _check_degree("T", t, ring, rates, 2, "A term without velocities belongs to P.")
     _check_degree("P", p, ring, rates, 0, "Energies of motion belong to T.")
     M = [[t.derivative(a).derivative(b) for b in rates] for a in rates]
     g = [p.derivative(s) for s in names]
     symbols = tuple(names), tuple(rates), tuple(accelerations)
-    return ClosedForm("your energies", Dynamics(ring, *symbols, M, g, t, p, constants))
+    form = ClosedForm("your energies", Dynamics(ring, *symbols, M, g, t, p, constants))
+    form.made_by = lagrange, (T, P, q, qd)
+    return form
+
+
+def _expression(what: str, energy: Any) -> Expr:
+    try:
+        found = sympy.sympify(energy)
+    except (sympy.SympifyError, TypeError, SyntaxError):
+        found = None
+    if not isinstance(found, Expr):
+        raise ValueError(f"{what} is {energy!r}, expected a SymPy expression.")
+    strange = [s for s in found.free_symbols if not s.is_commutative]
+    if found.has(sympy.I) or strange:
+        shown = strange[0] if strange else "the imaginary unit"
+        raise ValueError(f"{what} has {shown} in it, expected real numbers and symbols alone.")
+    return found
+
+
+def _listed(what: str, given: Any) -> list[Expr]:
+    if isinstance(given, (sympy.Basic, str)) or not isinstance(given, Iterable):
+        raise ValueError(f"{what} is {given}, expected a list, one entry a coordinate.")
+    return [x if isinstance(x, str) else sympy.sympify(x) for x in given]
+
+
+def _check_names(
+    energies: dict[str, Expr], old: tuple[list[Expr], list[Expr]], new: Sequence[Symbol]
+) -> None:
+    """No symbol of the energies has a coordinate's or velocity's name without being it."""
+    own = {*old[0], *old[1]}
+    moving = {str(s): s for s in new}
+    for what, energy in energies.items():
+        for s in energy.free_symbols - own:
+            if str(s) in moving:
+                raise ValueError(
+                    f"{what} has a symbol '{s}' that is not the coordinate or velocity of that "
+                    f"name. Use the same object for both (assumptions count), or another name for "
+                    f"a parameter."
+                )
+
+
+def _check_time(energies: dict[str, Expr], q: list[Expr]) -> None:
+    times = {x.args[0] for x in q if isinstance(x, AppliedUndef)}
+    for what, energy in energies.items():
+        if times & energy.free_symbols:
+            raise ValueError(
+                f"{what} depends on time by itself, not by the coordinates alone; closed forms are "
+                f"of systems that do not change with time."
+            )
 
 
 def _symbols(q: list[Any], qd: list[Any]) -> tuple[list[Symbol], list[Symbol]]:
@@ -70,6 +119,8 @@ def _symbols(q: list[Any], qd: list[Any]) -> tuple[list[Symbol], list[Symbol]]:
     names, rates = [], []
     for x, rate in zip(q, qd, strict=True):
         if isinstance(x, AppliedUndef) and isinstance(rate, sympy.Derivative):
+            if rate != x.diff(x.args[0]):
+                raise ValueError(f"velocity {rate} is not {x.diff(x.args[0])}, that of {x}.")
             x, rate = Symbol(str(x.func)), Symbol(_rate_name(str(x.func), "d"))
         for what, s in (("coordinate", x), ("velocity", rate)):
             if not isinstance(s, Symbol):

@@ -24,6 +24,9 @@ class Identity:
     terms: tuple[int, int]
     """How many terms the two sides had."""
     note: str = ""
+    decidable: bool = True
+    """Whether a difference that is not the polynomial 0 is not 0: angles of gears, and named ones,
+    may depend on one another."""
 
     @property
     def holds(self) -> bool:
@@ -39,6 +42,8 @@ class Identity:
                 else "difference"
             )
             return f"proved    {self.statement}: {size} 0, from {left} and {right} terms.{note}"
+        if not self.decidable:
+            return f"undecided {self.statement}: angles in it may depend on one another.{note}"
         wrong = sum(map(bool, self.differences))
         example = next(d for d in self.differences if d)
         return (
@@ -67,7 +72,7 @@ class Definiteness:
 
 
 class Proof(tuple):
-    """Identities by position or by name; true where all hold."""
+    """Identities by position or by name; true where all hold, and M may be positive definite."""
 
     def __bool__(self) -> bool:
         return all(identity.holds for identity in self)
@@ -99,10 +104,11 @@ def identity(
     left: Iterable[Polynomial],
     right: Iterable[Polynomial],
     note: str = "",
+    decidable: bool = True,
 ) -> Identity:
     a, b = list(left), list(right)
     differences = tuple(x - y for x, y in zip(a, b, strict=True))
-    return Identity(name, statement, differences, (_terms(a), _terms(b)), note)
+    return Identity(name, statement, differences, (_terms(a), _terms(b)), note, decidable)
 
 
 def _terms(found: Sequence[Polynomial]) -> int:

@@ -53,9 +53,18 @@ def is_rounded(e: Expr) -> bool:
 
 
 def _decimal(x: sympy.Rational) -> sympy.Rational | sympy.Float:
+    if max(abs(x.p), x.q) <= SHORT and not _terminates(x.q):
+        return x
     for digits in range(1, DIGITS + 1):
         short = sympy.Float(x, digits)
         if sympy.Rational(str(short)) == x:
             return short
-    terminates = not set(sympy.primefactors(x.q)) - {2, 5}
-    return sympy.Float(x, DIGITS) if terminates or max(abs(x.p), x.q) > SHORT else x
+    return sympy.Float(x, DIGITS)
+
+
+def _terminates(q: int) -> bool:
+    """Whether a fraction with this denominator is a decimal that ends."""
+    for p in (2, 5):
+        while q % p == 0:
+            q //= p
+    return q == 1

@@ -73,7 +73,7 @@ def test_slides_between_turns(alpha, rng):
 
 
 def test_the_planar_arm_by_hand():
-    symbols = m1, m2, l1, _, lc1, lc2, I1, I2, _ = sympy.symbols("m1 m2 l1 l2 lc1 lc2 I1 I2 g0")
+    symbols = m1, m2, l1, lc1, lc2, I1, I2, _ = sympy.symbols("m1 m2 l1 lc1 lc2 I1 I2 g0")
     base = arms.planar_2r(*symbols).closed_form().base_parameters()
     assert {b.name: b.formula for b in base if b.formula} == {
         "hxR1": m1 * lc1 + m2 * l1,

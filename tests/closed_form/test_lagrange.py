@@ -25,7 +25,7 @@ P = m1 * g0 * lc1 * sin(q1) + m2 * g0 * (l1 * sin(q1) + lc2 * sin(q1 + q2))
 
 @pytest.fixture(scope="module")
 def arm():
-    return arms.planar_2r(m1, m2, l1, l2, lc1, lc2, I1, I2, g0).closed_form()
+    return arms.planar_2r(m1, m2, l1, lc1, lc2, I1, I2, g0, l2=l2).closed_form()
 
 
 def test_the_lessons_energies_give_the_arm(arm):

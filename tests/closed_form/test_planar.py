@@ -39,7 +39,7 @@ P = m1 * g0 * lc1 * sin(q1) + m2 * g0 * (l1 * sin(q1) + lc2 * sin(q1 + q2))
 
 @pytest.fixture(scope="module")
 def two():
-    return arms.planar_2r(m1, m2, l1, l2, lc1, lc2, I1, I2, g0).closed_form()
+    return arms.planar_2r(m1, m2, l1, lc1, lc2, I1, I2, g0, l2=l2).closed_form()
 
 
 def test_the_lesson_literally(two):
@@ -104,7 +104,7 @@ def test_a_base_angle_is_part_of_the_angle():
 
 
 def test_the_horizontal_plane_has_no_gravity():
-    form = arms.planar_2r(m1, m2, l1, l2, lc1, lc2, I1, I2, g0, plane="horizontal").closed_form()
+    form = arms.planar_2r(m1, m2, l1, lc1, lc2, I1, I2, g0, l2=l2, plane="horizontal").closed_form()
     assert form.g == Matrix([0, 0])
     assert form.prove()["M without q1"].note.endswith("Nor does P: ∂T/∂qd1 stays as it is.")
 

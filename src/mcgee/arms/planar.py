@@ -60,7 +60,6 @@ def planar_2r(
     m1: Scalar = 1.0,
     m2: Scalar = 1.0,
     l1: Scalar = 1.0,
-    l2: Scalar = 1.0,
     lc1: Scalar = 0.5,
     lc2: Scalar = 0.5,
     I1: Scalar = 0.1,
@@ -68,6 +67,7 @@ def planar_2r(
     g0: Scalar = 9.81,
     plane: str = "vertical",
     angle_from: str = "horizontal",
+    l2: Scalar = 1.0,
 ) -> Robot:
     """The planar arm with two revolute joints; q2 = 0 stretches it.
 

@@ -161,10 +161,7 @@ def derive(
 ) -> None:
     """Derive T, P, M, C and g as exact formulas, and prove them."""
     with reported():
-        if latex is not None and latex == html:
-            raise ValueError(
-                f"--latex and --html both name '{latex}'. Give each a file of its own."
-            )
+        derive_view.check(latex, html)
         form = derive_view.derived(mcgee.load(robot), simplify, symbolic)
         most = (limit or None) if limit is not None else derive_view.FILES
         for path in derive_view.write(form, most, latex, html):

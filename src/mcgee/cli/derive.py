@@ -23,6 +23,12 @@ SLOW = 20_000
 """Terms whose writing takes long enough to be announced; some thousands take a second."""
 
 
+def check(latex: Path | None, html: Path | None) -> None:
+    """Raises: ValueError: both outputs are one file"""
+    if latex is not None and latex == html:
+        raise ValueError(f"--latex and --html both name '{latex}'. Give each a file of its own.")
+
+
 def derived(robot: Robot, simplify: str, symbolic: bool) -> ClosedForm:
     with _working(f"deriving M, C and g of {robot.name}"):
         form = robot.closed_form(simplify=simplify, symbolic_inertias=symbolic)

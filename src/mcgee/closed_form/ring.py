@@ -23,7 +23,7 @@ TRANSCENDENTAL = {c: sympy.Dummy(str(c), positive=True) for c in (sympy.pi, symp
 """What stands for π and e, which no relation binds; no symbol of a user's is the same."""
 
 
-MOST = 500_000
+MOST = 200_000
 """Terms of two factors together beyond which a product is refused."""
 
 

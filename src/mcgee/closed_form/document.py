@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -215,7 +215,7 @@ def _proofs(form: ClosedForm) -> Section:
 # -- parts of sections ----------------------------------------------------------------------------
 
 
-def _places(n: int):  # type: ignore[no-untyped-def]
+def _places(n: int) -> Callable[..., str]:
     """12 of joints 1 and 2; 1,12 where numbers have two digits."""
     between = "," if n > 9 else ""
     return lambda *indices: between.join(str(i + 1) for i in indices)

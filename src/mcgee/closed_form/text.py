@@ -9,6 +9,7 @@ from sympy import Expr
 
 if TYPE_CHECKING:
     from mcgee.closed_form.form import ClosedForm
+    from mcgee.closed_form.ring import Polynomial
 
 SIMPLE = 8
 """Denominator up to which a fraction is shown as one."""
@@ -35,7 +36,7 @@ def plain_text(form: ClosedForm) -> str:
     return "\n".join(lines)
 
 
-def _element(form: ClosedForm, what: str, x) -> str:  # type: ignore[no-untyped-def]
+def _element(form: ClosedForm, what: str, x: Polynomial) -> str:
     if len(x) > LONG:
         return f"… {len(x)} terms"
     return str(rounded(form.write(x)))

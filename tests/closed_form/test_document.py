@@ -12,6 +12,7 @@ import sympy
 
 import chromium
 import mcgee
+from mcgee.closed_form import ring
 from mcgee.closed_form.document import document
 from mcgee.closed_form.latex import symbol, text
 from mcgee.closed_form.terminal import report
@@ -246,3 +247,13 @@ def test_numbers_for_readers():
     assert str(rounded(sympy.Rational(22, 7))) == "22/7"
     assert str(rounded(sympy.Rational(2200001, 70001))) == "31.4281"
     assert rounded(sympy.Integer(12)) == 12
+
+
+def test_formulas_are_shown_where_proofs_would_be_too_long(monkeypatch):
+    form = mcgee.load("puma560").closed_form()
+    form.exact.tau, form.exact.Cqd  # noqa: B018
+    monkeypatch.setattr(ring, "MOST", 150)
+    last = document(form).sections[-1]
+    assert last.sentences[0].startswith(
+        "Nothing was decided: the closed form has a formula of more"
+    )

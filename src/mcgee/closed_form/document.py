@@ -196,7 +196,11 @@ def _constants(form: ClosedForm) -> Iterator[Section]:
 def _base(form: ClosedForm) -> Iterator[Section]:
     if form.robot is None:
         return
-    base = form.base_parameters()
+    try:
+        base = form.base_parameters()
+    except ValueError as error:
+        yield Section("Base parameters", (f"They were not found: {error}",))
+        return
     unseen = ", ".join(base.unseen)
     about = (
         f"The efforts depend on {len(base)} combinations of the bodies' inertial parameters, "
@@ -209,7 +213,11 @@ def _base(form: ClosedForm) -> Iterator[Section]:
 
 def _proofs(form: ClosedForm) -> Section:
     about = ("Each difference was reduced to its normal form, and that is the polynomial 0.",)
-    return Section("What was proved", about, lines=tuple(map(str, form.prove())))
+    try:
+        lines = tuple(map(str, form.prove()))
+    except ValueError as error:  # its sums are longer than the formulas themselves
+        about, lines = (f"Nothing was decided: {error}",), ()
+    return Section("What was proved", about, lines=lines)
 
 
 # -- parts of sections ----------------------------------------------------------------------------

@@ -24,19 +24,19 @@ def plain_text(form: ClosedForm) -> str:
     """Every element of M, C qd and g, and the energies, a line each."""
     lines = [f"Closed form of '{form.name}' in {', '.join(map(str, form.q))}"]
     for what in ("T", "P"):
-        lines.append(f"{what} = {_element(form, what, getattr(form.exact, what))}")
+        lines.append(f"{what} = {_element(form, getattr(form.exact, what))}")
     for i in range(form.n):
         for j in range(i, form.n):
-            lines.append(f"M{i + 1}{j + 1} = {_element(form, 'M', form.exact.M[i][j])}")
+            lines.append(f"M{i + 1}{j + 1} = {_element(form, form.exact.M[i][j])}")
     for what, title in (("Cqd", "(C qd)"), ("g", "g")):
         for i, x in enumerate(getattr(form.exact, what)):
-            lines.append(f"{title}{i + 1} = {_element(form, what, x)}")
+            lines.append(f"{title}{i + 1} = {_element(form, x)}")
     lines += [f"{s} = {rounded(e)}" for s, e in form.lumps.items()]
     lines += [f"{s} = {value:.10g} rad" for s, value in form.constants.items()]
     return "\n".join(lines)
 
 
-def _element(form: ClosedForm, what: str, x: Polynomial) -> str:
+def _element(form: ClosedForm, x: Polynomial) -> str:
     if len(x) > LONG:
         return f"… {len(x)} terms"
     return str(rounded(form.write(x)))

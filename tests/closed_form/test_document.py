@@ -230,6 +230,14 @@ def test_files_are_written_whole_or_not_at_all(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_link_stays_a_link(tmp_path):
+    target, link = tmp_path / "arm.html", tmp_path / "link.html"
+    link.symlink_to(target)
+    assert mcgee.arms.planar_2r().closed_form().to_html(link) == link
+    assert link.is_symlink()
+    assert target.read_text().startswith("<!doctype html>")
+
+
 # -- text -----------------------------------------------------------------------------------------
 
 

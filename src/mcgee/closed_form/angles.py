@@ -101,11 +101,6 @@ class Basis:
         return [(i, int(r)) for i, r in enumerate(found) if r]
 
 
-def _largest(rows: Iterable[Sequence[Fraction]], fractions: Sequence[int]) -> Fraction:
-    """The largest multiple, once the basis is divided so."""
-    return max(abs(r) * d for row in rows for r, d in zip(row, fractions, strict=False))
-
-
 def _coordinates(f: Form, basis: Sequence[Form]) -> list[Fraction] | None:
     """f as a sum of basis forms, None where it is independent of them."""
     if not f:

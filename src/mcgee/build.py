@@ -1,7 +1,7 @@
 """The one place where a mechanism and a quantity become a graph."""
 
 import gc
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
@@ -12,7 +12,7 @@ from mcgee.algorithms.parameters import TEN, with_parameters
 from mcgee.algorithms.regroup import regrouped
 from mcgee.algorithms.turns import COMPOSITES, NEWTON_EULER, STATICS
 from mcgee.graph.differentiate import jacobian
-from mcgee.graph.node import Graph, LimitError, Value
+from mcgee.graph.node import Graph, LimitError, Node, Value
 from mcgee.graph.program import LONG, Array, Program
 from mcgee.mechanism import Mechanism
 
@@ -122,6 +122,37 @@ def trace(mechanism: Mechanism, quantity: str, *options: Any, parametric: bool =
         if quantity == "inverse_dynamics_derivatives" and mechanism.n <= FEW:
             tau = trace(mechanism, "inverse_dynamics", parametric=parametric)
             programs.append(_differentiated(tau, programs[0].outputs))
+    return min(programs, key=Program.arithmetic)
+
+
+def trace_symbolic(
+    mechanism: Mechanism,
+    quantity: str,
+    *options: Any,
+    symbols: int,
+    put: Callable[[Mechanism, list[Node]], Mechanism],
+) -> Program:
+    """As `trace`, with symbols of the mechanism as one more input, called params.
+
+    Args:
+        symbols: how many
+        put: the mechanism with these nodes in the symbols' places
+    """
+    inputs, outputs = arrays(mechanism, quantity)
+    inputs = (*inputs, Array("params", (symbols,)))
+    ways = (quantity, *ALTERNATIVES.get(quantity, ())) if mechanism.n <= SHORT else (quantity,)
+
+    def on(way: str, regroup: bool) -> Program:
+        graph = Graph()
+        *state, given = [graph.inputs(array.name, array.size) for array in inputs]
+        model = put(mechanism, given)
+        model = regrouped(model) if regroup else model
+        result = getattr(quantities, way)(model, *state, *options)
+        return Program(quantity, inputs, outputs, tuple(_flat(result)))
+
+    choices = (False,) if signature(quantity).energy else (False, True)
+    with collection_paused():
+        programs = [on(way, regroup) for way in ways for regroup in choices]
     return min(programs, key=Program.arithmetic)
 
 

@@ -10,9 +10,10 @@ from programs import compiling_for, of_robot, program, random_program, same_bits
 from test_single import assert_same_bits
 
 from mcgee import build
+from mcgee.graph import cut
 from mcgee.graph.node import Graph, Node
 from mcgee.graph.program import Program, live
-from mcgee.jit import cut, kernel
+from mcgee.jit import kernel
 from mcgee.jit.kernel import kernel_ir
 from mcgee.jit.target import host
 from mcgee.jit.ufunc import gufunc

@@ -22,8 +22,9 @@ from programs import (
 )
 
 from mcgee import arms
+from mcgee.graph import cut
 from mcgee.graph.program import Program, evaluate
-from mcgee.jit import cut, kernel, loop
+from mcgee.jit import kernel, loop
 from mcgee.jit.target import host
 from mcgee.jit.ufunc import gufunc, signature
 from robots import random_tree

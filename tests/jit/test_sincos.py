@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from programs import compiled_for, program, same_bits, targets
 
-from mcgee.jit.sincos import PIO2, REACH
+from mcgee.trigonometry import PIO2, REACH
 
 QUADRANTS = 63_661  # floor(REACH / (pi / 2))
 BITS = 200

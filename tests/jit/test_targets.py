@@ -32,7 +32,8 @@ import llvmlite.binding as llvm
 llvm.initialize_all_targets()
 llvm.initialize_all_asmprinters()
 from mcgee import arms, build
-from mcgee.jit import cut, kernel as kernels, loop
+from mcgee.graph import cut
+from mcgee.jit import kernel as kernels, loop
 from mcgee.jit.compile import _object
 from mcgee.jit.kernel import kernel_ir
 from mcgee.jit.sincos import sincos_ir

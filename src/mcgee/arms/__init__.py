@@ -7,6 +7,7 @@ from pathlib import Path
 
 from mcgee.arms.planar import acrobot, cart_pole, pendulum, planar_2r, planar_nr
 from mcgee.arms.spatial import puma560, scara, stanford
+from mcgee.arms.textbook import symbolic
 from mcgee.robot import Robot
 
 __all__ = [
@@ -21,6 +22,7 @@ __all__ = [
     "puma560",
     "scara",
     "stanford",
+    "symbolic",
     "ur5e",
 ]
 

@@ -13,6 +13,7 @@ import math
 from collections.abc import Iterable
 from typing import Any
 
+from mcgee.arms.textbook import textbook
 from mcgee.errors import ModelError
 from mcgee.formats.described import described
 from mcgee.formats.dh import read_number
@@ -26,6 +27,7 @@ UNITS = {"m": "[kg]", "l": "[m]", "d": "[m]", "I": "[kg·m²]", "g": "[m/s²]"}
 """Of a parameter, by its first letter."""
 
 
+@textbook
 def pendulum(
     m: Scalar = 1.0,
     l: Scalar = 1.0,
@@ -56,6 +58,7 @@ def pendulum(
     return _planar("pendulum", [(m, l, lc, I)], g0, plane, angle_from, pivot)
 
 
+@textbook
 def planar_2r(
     m1: Scalar = 1.0,
     m2: Scalar = 1.0,
@@ -89,6 +92,7 @@ def planar_2r(
     return _planar("planar_2r", rods, g0, plane, angle_from)
 
 
+@textbook
 def planar_nr(
     n: int,
     m: Scalar | Iterable[Scalar] = 1.0,
@@ -118,6 +122,7 @@ def planar_nr(
     return _planar(f"planar_{n}r", zip(*columns, strict=True), g0, plane, angle_from)
 
 
+@textbook
 def acrobot(
     m1: Scalar = 1.0,
     m2: Scalar = 1.0,
@@ -144,6 +149,7 @@ def acrobot(
     return _planar("acrobot", rods, g0, "vertical", angle_from, passive=True)
 
 
+@textbook
 def cart_pole(
     mc: Scalar = 1.0,
     mp: Scalar = 0.1,

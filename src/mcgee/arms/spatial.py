@@ -7,6 +7,7 @@ import warnings
 from typing import Any
 
 from mcgee.arms.planar import numbers
+from mcgee.arms.textbook import textbook
 from mcgee.errors import ModelWarning
 from mcgee.formats.dh import from_dh
 from mcgee.robot import Robot
@@ -24,6 +25,7 @@ def _degrees(lower: float, upper: float) -> dict[str, float]:
 # -- SCARA ----------------------------------------------------------------------------------------
 
 
+@textbook
 def scara(
     m1: Scalar = 10.0,
     m2: Scalar = 6.0,

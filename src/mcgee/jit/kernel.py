@@ -13,9 +13,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
+from mcgee.graph import cut
 from mcgee.graph.node import Node
 from mcgee.graph.program import LONG, Program, fusions, live
-from mcgee.jit import cut
 from mcgee.jit.emit import hexadecimal
 from mcgee.jit.part import PARAMETERS, TABLES, Layout, Recipe, function, recipe, written
 from mcgee.jit.target import Target

@@ -20,8 +20,8 @@ Left = Mapping[Node, tuple[str, tuple[Value, ...]]]
 """In order, the operation that is left of each node, and what it reads."""
 
 
-def evenly(nodes: Sequence[Node]) -> list[Sequence[Node]]:
-    return [nodes[i : i + PART] for i in range(0, len(nodes), PART)] or [[]]
+def evenly(nodes: Sequence[Node], size: int = PART) -> list[Sequence[Node]]:
+    return [nodes[i : i + size] for i in range(0, len(nodes), size)] or [[]]
 
 
 def where_alike(nodes: Sequence[Node], left: Left) -> list[Sequence[Node]]:

@@ -1,0 +1,102 @@
+"""Verified code in other languages: robot → routines → text → compiled, run and compared.
+
+Adding a language: docs/codegen.md.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from mcgee import build
+from mcgee.codegen.c import C
+from mcgee.codegen.language import Language
+from mcgee.codegen.package import MANIFEST, check, manifest, write
+from mcgee.codegen.unit import unit
+from mcgee.codegen.verify import Verification, VerificationError, verify
+
+if TYPE_CHECKING:
+    from mcgee.robot import Robot
+
+__all__ = ["FUNCTIONS", "LANGUAGES", "Package", "Verification", "VerificationError", "codegen"]
+
+LANGUAGES: dict[str, Language] = {language.name: language for language in (C,)}
+"""By the name of a target."""
+
+FUNCTIONS = tuple(build.SIGNATURES)
+"""What can be asked for; terms are M, C qd and g."""
+
+VERIFIED = "VERIFIED.md"
+
+
+@dataclass(frozen=True)
+class Package:
+    """Generated code in its folder."""
+
+    folder: Path
+    target: str
+    files: tuple[str, ...]
+    """Paths in the folder."""
+    verification: Verification | None
+    """What came of trying it; None where that was not asked for."""
+
+    @property
+    def verified(self) -> bool:
+        return self.verification is not None and self.verification.done
+
+
+def codegen(
+    robot: Robot,
+    target: str,
+    directory: str | os.PathLike[str],
+    functions: Sequence[str] = ("terms",),
+    *,
+    params: bool = False,
+    values: Mapping[Any, float] | None = None,
+    frame: str | None = None,
+    single: bool = False,
+    overwrite: bool = False,
+    verified: bool = False,
+) -> Package:
+    """See Robot.codegen."""
+    language = _language(target)
+    folder = Path(directory)
+    check(folder, overwrite)
+    wanted = _functions(functions)
+    if single and not language.floats:
+        can = ", ".join(x.name for x in LANGUAGES.values() if x.floats)
+        raise ValueError(f"target '{target}' has no float numbers. Targets that have: {can}.")
+    wanted = tuple(dict.fromkeys((*wanted, *language.functions)))
+    end = robot.end_frame if frame is None else frame
+    if end not in robot.frame_names:
+        raise ValueError(
+            f"frame is {frame!r}, which robot '{robot.name}' has not. "
+            f"Frames: {', '.join(robot.frame_names)}."
+        )
+    made = unit(robot, wanted, params or language.parametric, values or {}, end, single)
+    files = language.files(made)
+    done = verify(language, made, files) if verified else None
+    if done is not None and done.done:
+        files[VERIFIED] = done.text()
+    files[MANIFEST] = manifest(made, target, files)
+    write(folder, files, overwrite)
+    return Package(folder, target, tuple(sorted(files)), done)
+
+
+def _language(target: str) -> Language:
+    if target not in LANGUAGES:
+        raise ValueError(f"target is {target!r}, expected one of: {', '.join(LANGUAGES)}.")
+    return LANGUAGES[target]
+
+
+def _functions(functions: Sequence[str]) -> tuple[str, ...]:
+    wanted = (functions,) if isinstance(functions, str) else tuple(functions)
+    for name in wanted:
+        if name not in FUNCTIONS:
+            raise ValueError(f"there is no function {name!r}; there are {', '.join(FUNCTIONS)}.")
+    if not wanted:
+        raise ValueError(f"no function is asked for; there are {', '.join(FUNCTIONS)}.")
+    return tuple(dict.fromkeys(wanted))

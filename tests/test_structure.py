@@ -21,13 +21,13 @@ MAY_IMPORT = {
     "quantities": ["algorithms", "mechanism", "model", "scalar"],
     "graph": [],
     "build": ["algorithms", "graph", "mechanism", "quantities"],
-    "jit": ["graph"],
+    "jit": ["graph", "trigonometry"],
     "threads": [],
     "kernels": ["build", "graph", "jit", "threads", "mechanism"],
     "parametric": ["build", "kernels", "mechanism", "robot"],
-    "robot": [  # closed_form, explain and parametric when asked
-        *("algorithms", "build", "closed_form", "explain", "kernels", "mechanism", "model"),
-        *("parametric", "scalar", "validate"),
+    "robot": [  # closed_form, codegen, explain and parametric when asked
+        *("algorithms", "build", "closed_form", "codegen", "explain", "kernels", "mechanism"),
+        *("model", "parametric", "scalar", "validate"),
     ],
     "formats": ["arms", "model", "robot", "scalar", "validate"],  # arms by name, when asked
     "arms": ["formats", "model", "robot", "scalar"],
@@ -37,10 +37,15 @@ MAY_IMPORT = {
     ],
     "explain": ["mechanism", "model", "quantities", "robot", "typeset", "writing"],
     "writing": [],
+    "trigonometry": [],
+    "codegen": [
+        *("algorithms", "arms", "build", "closed_form", "graph", "mechanism", "quantities"),
+        *("robot", "scalar", "trigonometry"),
+    ],
     "audit": ["robot"],
     "cli": [  # algorithms: classic ones
-        *("algorithms", "audit", "build", "closed_form", "explain", "kernels", "robot"),
-        "typeset",
+        *("algorithms", "audit", "build", "closed_form", "codegen", "explain", "kernels"),
+        *("robot", "typeset"),
     ],
 }
 LINES_OF_FILE, LINES_OF_FUNCTION = 400, 40

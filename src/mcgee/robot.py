@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import os
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -27,6 +28,7 @@ from mcgee.scalar import Scalar, plain
 
 if TYPE_CHECKING:
     from mcgee.closed_form import ClosedForm
+    from mcgee.codegen import Package
     from mcgee.explain import Explanation
     from mcgee.parametric import Parametric
 
@@ -592,6 +594,55 @@ class Robot:
         from mcgee.closed_form import closed_form
 
         return closed_form(self, symbolic_inertias, simplify)
+
+    def codegen(
+        self,
+        target: str,
+        directory: str | os.PathLike[str],
+        functions: Sequence[str] = ("terms",),
+        *,
+        params: bool = False,
+        values: Mapping[Any, float] | None = None,
+        frame: str | None = None,
+        single: bool = False,
+        overwrite: bool = False,
+        verify: bool = False,
+    ) -> Package:
+        """Write a package of code in another language, with vectors and a self-test.
+
+        Args:
+            target: 'python', 'c', 'cpp', 'java', 'matlab', 'simulink', 'fmu', 'wolfram' or
+                'javascript'
+            directory: the package's folder, made whole or not at all
+            functions: names of quantities; 'terms' becomes NAME_dynamics, which gives M, C qd and g
+            params: leave parameters open: the symbols of the description, those of a textbook
+                arm's function, or else ten inertial parameters a body. Otherwise the numbers are
+                folded in
+            values: defaults of parameters, by name; needed for symbols
+            frame: for forward_kinematics and jacobian, one of `frame_names`; `end_frame` by default
+            single: float in the place of double, for C and C++
+            overwrite: write into a folder that is not empty; what is not generated stays there
+            verify: compile the package with warnings as errors, run it in its own toolchain, and
+                write how far off it was into VERIFIED.md
+        Returns: a Package: .folder, .files, .verification
+        Raises: ValueError: an unknown target, function, frame or parameter, a symbol without a
+            value, a folder that is in use or cannot be written.
+            mcgee.codegen.VerificationError: the code is refused or wrong; nothing is written
+        """
+        from mcgee.codegen import codegen
+
+        return codegen(
+            self,
+            target,
+            directory,
+            functions,
+            params=params,
+            values=values,
+            frame=self._frame(frame),
+            single=single,
+            overwrite=overwrite,
+            verified=verify,
+        )
 
     def _frame(self, frame: str | None) -> str:
         name = self.end_frame if frame is None else frame

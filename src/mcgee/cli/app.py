@@ -14,6 +14,7 @@ import typer
 
 import mcgee
 from mcgee.cli import bench as bench_view
+from mcgee.cli import codegen as codegen_view
 from mcgee.cli import derive as derive_view
 from mcgee.cli import explain as explain_view
 from mcgee.cli import terms as terms_view
@@ -171,6 +172,59 @@ def derive(
         elif latex is None and html is None:
             most = (limit or None) if limit is not None else derive_view.TERMINAL
             derive_view.print_report(form, most)
+
+
+@app.command(
+    no_args_is_help=True,
+    epilog="Exit code: 0 written and verified (or --no-verify), 1 wrong and not written, "
+    "2 refused, 3 written and not verified for want of a toolchain. "
+    "Example:  mcgee codegen planar_2r --target cpp --params -o arm",
+)
+def codegen(
+    robot: RobotArgument,
+    target: Annotated[
+        str,
+        typer.Option(
+            "--target",
+            metavar="LANGUAGE",
+            help="python, c, cpp, java, matlab, simulink, fmu, wolfram or javascript; several "
+            "with commas, or all: a folder each.",
+        ),
+    ],
+    folder: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Where to write.")],
+    functions: Annotated[
+        str,
+        typer.Option(
+            "--functions",
+            metavar="NAMES",
+            help="terms (M, C qd, g), inverse_dynamics, forward_dynamics, coriolis_matrix, "
+            "jacobian, regressor, …, with commas.",
+        ),
+    ] = "terms",
+    params: Annotated[
+        bool, typer.Option("--params", help="Leave parameters open; else numbers are folded in.")
+    ] = False,
+    single: Annotated[
+        bool, typer.Option("--float", help="float in the place of double (c, cpp).")
+    ] = False,
+    frame: Annotated[
+        str | None,
+        typer.Option("--frame", help="Of forward_kinematics and jacobian; the end by default."),
+    ] = None,
+    force: Annotated[
+        bool, typer.Option("--force", help="Write over generated files in a folder in use.")
+    ] = False,
+    verify: Annotated[
+        bool, typer.Option(help="Compile, run and compare, where the toolchain is here.")
+    ] = True,
+    json: JsonOption = False,
+) -> None:
+    """Write verified code of the dynamics in another language."""
+    with reported():
+        wanted = codegen_view.Wanted(
+            target, functions, params=params, single=single, frame=frame, force=force, verify=verify
+        )
+        raise typer.Exit(codegen_view.run(mcgee.load(robot), wanted, folder, json))
 
 
 @app.command(no_args_is_help=True, epilog="Example:  mcgee bench ur5e --counts")

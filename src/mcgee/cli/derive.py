@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 
+from mcgee.cli.working import working
 from mcgee.robot import Robot
 
 if TYPE_CHECKING:
@@ -30,21 +29,10 @@ def check(latex: Path | None, html: Path | None) -> None:
 
 
 def derived(robot: Robot, simplify: str, symbolic: bool) -> ClosedForm:
-    with _working(f"deriving M, C and g of {robot.name}"):
+    with working(f"deriving M, C and g of {robot.name}"):
         form = robot.closed_form(simplify=simplify, symbolic_inertias=symbolic)
         form.terms("christoffel")
     return form
-
-
-@contextmanager
-def _working(what: str) -> Iterator[None]:
-    """Says on a terminal what is going on; elsewhere nothing."""
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        yield
-        return
-    with console.status(f"{what} …"):
-        yield
 
 
 def print_report(form: ClosedForm, limit: int | None) -> None:
@@ -52,7 +40,7 @@ def print_report(form: ClosedForm, limit: int | None) -> None:
     from mcgee.closed_form.terminal import report
 
     width = min(Console().width, WIDTH)
-    with _working("writing"):
+    with working("writing"):
         text = report(document(form, limit), width)
     print(text)
 
@@ -66,7 +54,7 @@ def print_json(form: ClosedForm) -> None:
             f"mcgee: {total:,} terms to write, some {total / 4000:,.0f} s; there are fewer without "
             f"--symbolic, and on the terminal"
         )
-    with _working("writing"):
+    with working("writing"):
         print(json.dumps(_content(form, terms), indent=1))
 
 
@@ -98,6 +86,6 @@ def _content(form: ClosedForm, terms: dict[str, int]) -> dict[str, Any]:
 
 
 def write(form: ClosedForm, limit: int | None, latex: Path | None, html: Path | None) -> list[Path]:
-    with _working("writing"):
+    with working("writing"):
         written = [form.to_latex(latex, limit)] if latex is not None else []
         return written + ([form.to_html(html, limit)] if html is not None else [])

@@ -13,8 +13,14 @@ from typing import TYPE_CHECKING, Any
 
 from mcgee import build
 from mcgee.codegen.c import C
+from mcgee.codegen.cpp import CPP
+from mcgee.codegen.java import JAVA
+from mcgee.codegen.javascript import JAVASCRIPT
 from mcgee.codegen.language import Language
+from mcgee.codegen.matlab import MATLAB
 from mcgee.codegen.package import MANIFEST, check, manifest, write
+from mcgee.codegen.python import PYTHON
+from mcgee.codegen.simulink import SIMULINK
 from mcgee.codegen.unit import unit
 from mcgee.codegen.verify import Verification, VerificationError, verify
 
@@ -23,7 +29,9 @@ if TYPE_CHECKING:
 
 __all__ = ["FUNCTIONS", "LANGUAGES", "Package", "Verification", "VerificationError", "codegen"]
 
-LANGUAGES: dict[str, Language] = {language.name: language for language in (C,)}
+LANGUAGES: dict[str, Language] = {
+    language.name: language for language in (PYTHON, C, CPP, JAVA, MATLAB, SIMULINK, JAVASCRIPT)
+}
 """By the name of a target."""
 
 FUNCTIONS = tuple(build.SIGNATURES)
@@ -52,31 +60,22 @@ def codegen(
     robot: Robot,
     target: str,
     directory: str | os.PathLike[str],
-    functions: Sequence[str] = ("terms",),
+    functions: Sequence[str],
     *,
-    params: bool = False,
-    values: Mapping[Any, float] | None = None,
-    frame: str | None = None,
-    single: bool = False,
-    overwrite: bool = False,
-    verified: bool = False,
+    params: bool,
+    values: Mapping[Any, float] | None,
+    frame: str,
+    single: bool,
+    overwrite: bool,
+    verified: bool,
 ) -> Package:
     """See Robot.codegen."""
-    language = _language(target)
+    language = _language(target, single)
     folder = Path(directory)
     check(folder, overwrite)
-    wanted = _functions(functions)
-    if single and not language.floats:
-        can = ", ".join(x.name for x in LANGUAGES.values() if x.floats)
-        raise ValueError(f"target '{target}' has no float numbers. Targets that have: {can}.")
-    wanted = tuple(dict.fromkeys((*wanted, *language.functions)))
-    end = robot.end_frame if frame is None else frame
-    if end not in robot.frame_names:
-        raise ValueError(
-            f"frame is {frame!r}, which robot '{robot.name}' has not. "
-            f"Frames: {', '.join(robot.frame_names)}."
-        )
-    made = unit(robot, wanted, params or language.parametric, values or {}, end, single)
+    wanted = language.functions or _functions(functions)
+    open_ = params or language.parametric
+    made = unit(robot, wanted, open_, values or {}, frame, single)
     files = language.files(made)
     done = verify(language, made, files) if verified else None
     if done is not None and done.done:
@@ -86,10 +85,14 @@ def codegen(
     return Package(folder, target, tuple(sorted(files)), done)
 
 
-def _language(target: str) -> Language:
+def _language(target: str, single: bool) -> Language:
     if target not in LANGUAGES:
         raise ValueError(f"target is {target!r}, expected one of: {', '.join(LANGUAGES)}.")
-    return LANGUAGES[target]
+    language = LANGUAGES[target]
+    if single and not language.floats:
+        can = ", ".join(x.name for x in LANGUAGES.values() if x.floats)
+        raise ValueError(f"target '{target}' has no float numbers. Targets that have: {can}.")
+    return language
 
 
 def _functions(functions: Sequence[str]) -> tuple[str, ...]:

@@ -11,6 +11,7 @@ from mcgee.codegen.common import (
     comment,
     documentation,
     header,
+    layout,
     readme,
     vectors,
 )
@@ -98,7 +99,7 @@ def header_file(unit: Unit) -> str:
             f"extern const {params_type(unit)} {unit.name}_defaults;\n\n"
         )
     for f in unit.functions:
-        parts.append(comment(documentation(unit, f), "/*", " * ", " */"))
+        parts.append(comment(documentation(f), "/*", " * ", " */"))
         head = signature(f"void {symbol(unit, f)}", arguments(unit, f.inputs, f.outputs))
         parts.append(f"{head};\n\n")
     parts.append("#ifdef __cplusplus\n}\n#endif\n\n#endif\n")
@@ -202,10 +203,10 @@ def body(unit: Unit, routine: Routine, k: int) -> str:
     if k or not fast(unit, routine):
         return own.body(part)
     turns, rest = turns_first(part)
-    return _together(unit, turns, own) + own.body(rest)
+    return together(unit, turns, own) + own.body(rest)
 
 
-def _together(unit: Unit, turns: Sequence[Turn], own: Style) -> str:
+def together(unit: Unit, turns: Sequence[Turn], own: Style) -> str:
     count = len(turns)
     room = count if count < 3 else -(-count // LANES) * LANES
     angles = ", ".join(text(turn.angle, own.syntax) for turn in turns)
@@ -231,14 +232,12 @@ def turns_function(head: str, restrict: str) -> str:
 
 def _horner(coefficients: Sequence[float]) -> str:
     first, *others = coefficients
-    text = repr(first)
+    text = "(" * (len(others) - 1) + repr(first)
     for k, c in enumerate(others):
-        sign = "-" if c < 0 else "+"
-        text = f"{text}*z {sign} {abs(c)!r}"
-        if k < len(others) - 1:
-            text = f"({text})"
-        if k % 2:
-            text += "\n            " if k < len(others) - 1 else ""
+        close = ")" if k < len(others) - 1 else ""
+        text += f"*z {'-' if c < 0 else '+'} {abs(c)!r}{close}"
+        if k % 2 and close:
+            text += "\n            "
     return text
 
 
@@ -319,10 +318,9 @@ def selftest(unit: Unit) -> str:
 
 
 def _test(unit: Unit, f: Function) -> str:
-    t = scalar(unit)
-    width = sum(a.size for a in (*f.inputs, *f.outputs)) + len(f.outputs)
-    lines, at, given = [], 0, []
-    for array in f.inputs:
+    t, row = scalar(unit), layout(f)
+    lines, given = [], []
+    for array, at in row.inputs:
         if array.name == "params":
             sets = ", ".join(f"({t})row[{at + i}]" for i in range(array.size))
             lines.append(f"const {params_type(unit)} params = {{{sets}}};")
@@ -331,23 +329,18 @@ def _test(unit: Unit, f: Function) -> str:
             lines.append(f"{t} {array.name}[{array.size}];")
             lines.append(f"read_row({array.name}, row + {at}, {array.size});")
             given.append(array.name)
-        at += array.size
-    end = at + sum(a.size for a in f.outputs)
-    checks = []
-    for k, array in enumerate(f.outputs):
-        lines.append(f"{t} {array.name}[{array.size}];")
-        given.append(array.name)
-        checks.append(
-            f"worst = worse(worst, {array.name}, row + {at}, {array.size}, row[{end + k}]);"
-        )
-        at += array.size
-    lines += [f"{symbol(unit, f)}({', '.join(given)});", *checks]
+    lines += [f"{t} {array.name}[{array.size}];" for array in f.outputs]
+    given += [array.name for array in f.outputs]
+    lines.append(f"{symbol(unit, f)}({', '.join(given)});")
+    for array, at, scale in row.outputs:
+        told = f"{array.name}, row + {at}, {array.size}, row[{scale}]"
+        lines.append(f"worst = worse(worst, {told});")
     inside = "".join(f"        {line}\n" for line in lines)
     return (
         f"\nstatic int test_{f.name}(const char *folder)\n{{\n"
-        f"    static double row[{width}];\n    int rows = 0;\n    double worst = 0;\n"
+        f"    static double row[{row.width}];\n    int rows = 0;\n    double worst = 0;\n"
         f'    FILE *file = opened(folder, "{f.name}");\n'
-        f"    for (; next(file, row, {width}); ++rows) {{\n{inside}    }}\n"
+        f"    for (; next(file, row, {row.width}); ++rows) {{\n{inside}    }}\n"
         f'    return report("{f.name}", file, rows, worst);\n}}\n'
     )
 

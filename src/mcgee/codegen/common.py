@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 
 import mcgee
 from mcgee.codegen.names import words
@@ -42,24 +43,47 @@ def wrapped(sentences: Iterable[str], width: int = 88) -> list[str]:
     return [line for s in sentences for line in textwrap.wrap(s, width, break_long_words=False)]
 
 
-def describes(unit: Unit, array: Array) -> str:
+def describes(array: Array) -> str:
     """What an array holds, for doc comments: 'q: joint positions [rad | m], 2'."""
     shape = " by ".join(map(str, array.shape)) or "a number"
     return f"{array.name}: {MEANINGS[array.name]}, {shape}"
 
 
-def documentation(unit: Unit, function: Function) -> list[str]:
+def documentation(function: Function) -> list[str]:
     """The lines of a function's doc comment."""
-    first, space, rest = function.says.partition(" ")
-    lines = [
-        f"{first.capitalize() if first.isalpha() and rest[:1] != '=' else first}{space}{rest}."
-    ]
-    lines += [describes(unit, a) for a in (*function.state, *function.outputs)]
-    return lines
+    arrays = (*function.state, *function.outputs)
+    return [f"{capital(function.says)}.", *map(describes, arrays)]
+
+
+def capital(sentence: str) -> str:
+    return f"{sentence[:1].upper()}{sentence[1:]}"
 
 
 def vectors(unit: Unit) -> Files:
     return {f"{VECTORS}/{f.name}.txt": f.vectors.text() for f in unit.functions}
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Where a row of vectors holds what."""
+
+    inputs: tuple[tuple[Array, int], ...]
+    """Each with the place of its first element."""
+    outputs: tuple[tuple[Array, int, int], ...]
+    """Each with the places of its first element and of its scale."""
+    width: int
+
+
+def layout(function: Function) -> Layout:
+    at, places = 0, []
+    for array in (*function.inputs, *function.outputs):
+        places.append(at)
+        at += array.size
+    first = len(function.inputs)
+    inputs = tuple(zip(function.inputs, places, strict=False))
+    scales = range(at, at + len(function.outputs))
+    outputs = tuple(zip(function.outputs, places[first:], scales, strict=True))
+    return Layout(inputs, outputs, at + len(scales))
 
 
 def readme(unit: Unit, language: str, holds: str, use: str, test: str) -> str:
@@ -74,9 +98,10 @@ def readme(unit: Unit, language: str, holds: str, use: str, test: str) -> str:
     paragraphs = [
         [f"{holds} Functions: {functions}. {use}"],
         [
-            f"Self-test: `{test}`; it exits non-zero where a result is off by more than {TOLERANCE} "
-            f"units in the last place of its scale from `{VECTORS}/`. A row there holds a state, the "
-            "results, computed with 60 digits and rounded once, and a scale for each. "
+            f"Self-test: `{test}`; it exits non-zero where a result is off by more than "
+            f"{TOLERANCE} units in the last place of its scale from `{VECTORS}/`. A row there "
+            "holds a state, the results, computed with 60 digits and rounded once, and a scale "
+            "for each. "
             "`VERIFIED.md`, where it is here, says how far off they were in this language."
         ],
         [" ".join(unit.conventions), f"Joints: {'; '.join(unit.joints)}.", *_parameters(unit)],

@@ -99,12 +99,11 @@ class _Writer:
         products: list[Signed] = []
         for wave, found in groups.items():
             alike: dict[tuple, Sum] = {}
-            for rest, rates in found.items():
-                content = _content(rates)
-                same = tuple((m, k / content) for m, k in rates.items())
+            for rest, by_rates in found.items():
+                content = _content(by_rates)
+                same = tuple((m, k / content) for m, k in by_rates.items())
                 alike.setdefault(same, {})[rest] = content
-            for rates, rest in alike.items():
-                products.append(self._product(wave, dict(rates), rest))
+            products += [self._product(wave, dict(same), sums) for same, sums in alike.items()]
         return _total(products)
 
     def _apart(self, factors: Factors) -> tuple[tuple, Monomial, Monomial]:

@@ -115,12 +115,12 @@ class Routine:
             place = Item(names.get(step.place.array, step.place.array), step.place.index)
             return Put(place, new(step.value))
 
-        arrays = (
+        inputs, outputs = (
             tuple(replace(a, name=names.get(a.name, a.name)) for a in group)
             for group in (self.inputs, self.outputs)
         )
         parts = tuple(tuple(map(of, part)) for part in self.parts)
-        return Routine(self.quantity, *arrays, parts, self.work, self.readable)
+        return replace(self, inputs=inputs, outputs=outputs, parts=parts)
 
 
 def arrays_of(part: Part) -> set[str]:
@@ -225,8 +225,9 @@ class _PartMaker:
         if self.uses[node] == 0 and len(homes) == 1:
             self.known[node] = value
         else:
-            self.known[node] = Local(f"t{self.of.next()}")
-            self.steps.append(Let(self.known[node].name, value))
+            name = f"t{self.of.next()}"
+            self.known[node] = Local(name)
+            self.steps.append(Let(name, value))
         self._leave(node)
 
     def _leave(self, node: Node) -> None:

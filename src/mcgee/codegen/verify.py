@@ -71,7 +71,7 @@ class Verification:
         return "\n".join([*lines, ""])
 
 
-class VerificationError(ValueError):
+class VerificationError(Exception):
     """Generated code does not compile, does not run, or gives wrong numbers."""
 
 

@@ -1,0 +1,110 @@
+"""Packages of generated code from the terminal: what was written, and how well it agrees."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+from rich.console import Console
+
+from mcgee.cli.working import working
+from mcgee.robot import Robot
+
+if TYPE_CHECKING:
+    from mcgee.codegen import Package
+
+VERIFIED, WRONG, NOT_VERIFIED = 0, 1, 3
+"""Exit codes; 2 is a refusal."""
+
+
+@dataclass(frozen=True)
+class Wanted:
+    targets: str
+    functions: str
+    params: bool
+    single: bool
+    frame: str | None
+    force: bool
+    verify: bool
+
+
+def run(robot: Robot, wanted: Wanted, folder: Path, as_json: bool) -> int:
+    """Write the packages; the exit code."""
+    from mcgee.codegen import LANGUAGES, VerificationError
+    from mcgee.codegen.package import check
+
+    targets = list(LANGUAGES) if wanted.targets == "all" else _listed(wanted.targets)
+    places = {t: folder / t if len(targets) > 1 else folder for t in targets}
+    for place in places.values():
+        check(place, wanted.force)  # all of them, before any is written
+    made: list[Package] = []
+    failed: list[str] = []
+    for target, place in places.items():
+        try:
+            with working(f"writing and trying {target}" if wanted.verify else f"writing {target}"):
+                made.append(_package(robot, target, place, wanted))
+        except VerificationError as error:
+            failed.append(target)
+            typer.echo(f"mcgee: error: {error}", err=True)
+    if as_json:
+        print(json.dumps({"written": [_content(p) for p in made], "wrong": failed}, indent=1))
+    else:
+        _print(made)
+    missing = [p for p in made if wanted.verify and not p.verified]
+    for package in missing:
+        lacks = package.verification.missing if package.verification else ""
+        typer.echo(f"mcgee: {package.target} is not verified: no {lacks} here", err=True)
+    return WRONG if failed else NOT_VERIFIED if missing else VERIFIED
+
+
+def _package(robot: Robot, target: str, place: Path, wanted: Wanted) -> Package:
+    return robot.codegen(
+        target,
+        place,
+        _listed(wanted.functions),
+        params=wanted.params,
+        frame=wanted.frame,
+        single=wanted.single,
+        overwrite=wanted.force,
+        verify=wanted.verify,
+    )
+
+
+def _listed(text: str) -> list[str]:
+    return [name.strip() for name in text.split(",") if name.strip()]
+
+
+def _content(package: Package) -> dict[str, Any]:
+    done = package.verification
+    return {
+        "target": package.target,
+        "folder": str(package.folder),
+        "files": list(package.files),
+        "verified": package.verified,
+        "tools": list(done.tools) if done else [],
+        "missing": done.missing if done else "",
+        "ulp": {
+            a.function: {"60 digits": a.exact, "kernels": a.kernel}
+            for a in (done.agreements if done else ())
+        },
+    }
+
+
+def _print(made: Iterable[Package]) -> None:
+    console = Console(highlight=False, soft_wrap=True)
+    for package in made:
+        sources = [path for path in package.files if not path.startswith("vectors/")]
+        console.print(f"{package.folder}: {', '.join(sources)}", markup=False)
+        if package.verification is None or not package.verification.done:
+            continue
+        console.print(f"  tried with {'; '.join(package.verification.tools)}", markup=False)
+        for a in package.verification.agreements:
+            console.print(
+                f"  {a.function:<30} {a.exact:7.2g} ulp from 60 digits  "
+                f"{a.kernel:7.2g} ulp from the kernels",
+                markup=False,
+            )

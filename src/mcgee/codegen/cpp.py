@@ -1,0 +1,344 @@
+"""C++ with Eigen: one header."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+from mcgee.codegen import c
+from mcgee.codegen.common import (
+    TOLERANCE,
+    VECTORS,
+    Files,
+    comment,
+    documentation,
+    header,
+    layout,
+    readme,
+    vectors,
+)
+from mcgee.codegen.expression import Syntax
+from mcgee.codegen.language import Language, Tool
+from mcgee.codegen.names import pascal
+from mcgee.codegen.routine import WORK, Item, Routine
+from mcgee.codegen.statements import Style, pieces, turns_first, unused
+from mcgee.codegen.unit import Function, Unit
+from mcgee.graph.program import Array
+
+ON_STACK = 4096
+"""Elements up to which a matrix has its size in its type."""
+
+
+def files(unit: Unit) -> Files:
+    name = unit.name
+    return {
+        f"{name}.hpp": header_file(unit),
+        "selftest.cpp": selftest(unit),
+        "CMakeLists.txt": _CMAKE.format(name=name),
+        "README.md": readme(
+            unit,
+            "C++ with Eigen",
+            f"`{name}.hpp` is all there is, C++14 without allocation; results must not share "
+            f"memory with arguments.",
+            "Put it and Eigen (3.3 or newer) on the include path, or `add_subdirectory` it.",
+            "c++ -std=c++14 -O2 -I /usr/include/eigen3 selftest.cpp -o selftest && ./selftest",
+        ),
+        **vectors(unit),
+    }
+
+
+def params_type(unit: Unit) -> str:
+    return f"{pascal(unit.name)}Params"
+
+
+def kind(unit: Unit, array: Array) -> str:
+    """The type of an array."""
+    t = c.scalar(unit)
+    if array.name == "params":
+        return params_type(unit)
+    if not array.shape:
+        return t
+    if len(array.shape) > 2:
+        return f"std::array<{t}, {array.size}>"
+    rows, columns = (*array.shape, 1)[:2]
+    if array.size > ON_STACK:
+        return f"Eigen::Matrix<{t}, Eigen::Dynamic, Eigen::Dynamic>"
+    return f"Eigen::Matrix<{t}, {rows}, {columns}>"
+
+
+def arguments(
+    unit: Unit, inputs: Sequence[Array], outputs: Sequence[Array], work: bool
+) -> list[str]:
+    found = [f"const {kind(unit, a)}& {a.name}" for a in inputs]
+    found += [f"{kind(unit, a)}& {a.name}" for a in outputs]
+    return [*found, f"{c.scalar(unit)}* {WORK}"] if work else found
+
+
+def style(unit: Unit, routine: Routine) -> Style:
+    names = [p.identifier for p in unit.parameters]
+
+    def item(i: Item) -> str:
+        if i.array == "params":
+            return f"params.{names[i.index]}"
+        shape = routine.array(i.array).shape
+        if not shape:
+            return i.array
+        if len(shape) == 2:
+            return f"{i.array}({i.index // shape[1]}, {i.index % shape[1]})"
+        return f"{i.array}[{i.index}]"
+
+    t = c.scalar(unit)
+    calls = {"cos": "std::cos(", "sin": "std::sin("}
+    return Style(
+        Syntax(item, c.number(unit), calls), let=f"const {t} {{0}} = {{1}};", put="{0} = {1};"
+    )
+
+
+def header_file(unit: Unit) -> str:
+    guard = f"{unit.name.upper()}_HPP"
+    fast = any(c.fast(unit, f.routine) for f in unit.functions)
+    standard = ["array", "cmath", *(["cfloat", "cstdint", "cstring"] if fast else [])]
+    includes = "".join(f"#include <{name}>\n" for name in sorted(standard))
+    parts = [
+        comment(header(unit), "/*", " * ", " */"),
+        f"#ifndef {guard}\n#define {guard}\n\n#include <Eigen/Core>\n\n{includes}",
+    ]
+    if unit.parameters:
+        t = c.scalar(unit)
+        fields = "".join(
+            f"    {t} {p.identifier} = {c.number(unit)(p.value)};\n" for p in unit.parameters
+        )
+        parts.append(f"\nstruct {params_type(unit)} {{\n{fields}}};\n")
+    if fast:
+        turns = c.turns_function(f"inline void {unit.name}_turns", "__restrict")
+        parts.append(turns.replace("EXACT", f"{unit.name.upper()}_EXACT"))
+    parts += [definition(unit, f) for f in unit.functions]
+    return "".join([*parts, "\n#endif\n"])
+
+
+def definition(unit: Unit, f: Function) -> str:
+    routine, name = f.routine, c.symbol(unit, f)
+    head = c.signature(f"inline void {name}", arguments(unit, f.inputs, f.outputs, False))
+    start = "".join(f"    (void){array.name};\n" for array in unused(routine))
+    start += "".join(
+        f"    {a.name}.resize({a.shape[0]}, {a.shape[1]});\n"
+        for a in f.outputs
+        if "Dynamic" in kind(unit, a)
+    )
+    doc = "\n" + comment(documentation(f), "/*", " * ", " */")
+    if len(routine.parts) == 1:
+        return f"{doc}{head}\n{{\n{start}{body(unit, routine, 0)}}}\n"
+    functions = []
+    calls = [f"    {c.scalar(unit)} {WORK}[{max(routine.work, 1)}];\n"]
+    for piece in pieces(routine):
+        part = f"{name}_part{piece.number}"
+        own = arguments(unit, piece.inputs, piece.outputs, piece.work)
+        functions.append(
+            f"\n{c.signature(f'inline void {part}', own)}\n{{\n"
+            f"{body(unit, routine, piece.number - 1)}}}\n"
+        )
+        calls.append(f"    {part}({', '.join(c.passed(piece))});\n")
+    return "".join([*functions, doc, head, "\n{\n", start, *calls, "}\n"])
+
+
+def body(unit: Unit, routine: Routine, k: int) -> str:
+    own, part = style(unit, routine), routine.parts[k]
+    if k or not c.fast(unit, routine):
+        return own.body(part)
+    turns, rest = turns_first(part)
+    return c.together(unit, turns, own) + own.body(rest)
+
+
+_CMAKE = """cmake_minimum_required(VERSION 3.13)
+project({name} CXX)
+find_package(Eigen3 REQUIRED NO_MODULE)
+add_library({name} INTERFACE)
+target_include_directories({name} INTERFACE ${{CMAKE_CURRENT_SOURCE_DIR}})
+target_link_libraries({name} INTERFACE Eigen3::Eigen)
+target_compile_features({name} INTERFACE cxx_std_14)
+enable_testing()
+add_executable({name}_selftest selftest.cpp)
+target_link_libraries({name}_selftest {name})
+add_test(NAME {name}_selftest COMMAND {name}_selftest ${{CMAKE_CURRENT_SOURCE_DIR}}/vectors)
+"""
+
+
+# -- the self-test --------------------------------------------------------------------------------
+
+
+def selftest(unit: Unit) -> str:
+    calls = "".join(f"    failed |= test_{f.name}(folder);\n" for f in unit.functions)
+    return (
+        f"// Compares {unit.name} with the vectors; exits non-zero where one is missed.\n"
+        + _SELFTEST.replace("NAME", unit.name)
+        .replace("TOLERANCE", str(TOLERANCE))
+        .replace("VECTORS", VECTORS)
+        .replace("SCALAR", c.scalar(unit))
+        .replace("TESTS", "".join(_test(unit, f) for f in unit.functions))
+        .replace("CALLS", calls)
+    )
+
+
+def _test(unit: Unit, f: Function) -> str:
+    row, lines = layout(f), []
+    for array, at in row.inputs:
+        lines.append(f"{kind(unit, array)} {array.name};")
+        if array.name == "params":
+            for i, p in enumerate(unit.parameters):
+                lines.append(
+                    f"params.{p.identifier} = static_cast<{c.scalar(unit)}>(row[{at + i}]);"
+                )
+        else:
+            lines.append(f"read({array.name}, row, {at});")
+    lines += [f"{kind(unit, array)} {array.name};" for array in f.outputs]
+    given = ", ".join(a.name for a in (*f.inputs, *f.outputs))
+    lines.append(f"{c.symbol(unit, f)}({given});")
+    lines += [f"compare(worst, {a.name}, row, {at}, {s});" for a, at, s in row.outputs]
+    inside = "".join(f"        {line}\n" for line in lines)
+    return (
+        f"\nbool test_{f.name}(const std::string& folder)\n{{\n    double worst = 0;\n"
+        f'    const auto rows = rows_of(folder, "{f.name}", {row.width});\n'
+        f"    for (const auto& row : rows) {{\n{inside}    }}\n"
+        f'    return report("{f.name}", rows.size(), worst);\n}}\n'
+    )
+
+
+_SELFTEST = """#include "NAME.hpp"
+
+#include <cstddef>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <limits>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace {
+
+using Row = std::vector<double>;
+
+std::vector<Row> rows_of(const std::string& folder, const std::string& name, std::size_t width)
+{
+    const std::string path = folder + "/" + name + ".txt";
+    std::ifstream file(path);
+    std::vector<Row> rows;
+    for (std::string line; std::getline(file, line);) {
+        std::istringstream words(line);
+        Row row;
+        for (std::string word; words >> word;) {
+            row.push_back(std::strtod(word.c_str(), nullptr));
+        }
+        if (row.size() != width) {
+            std::fprintf(stderr, "a row of %s is not as long as it should be\\n", path.c_str());
+            std::exit(2);
+        }
+        rows.push_back(row);
+    }
+    if (rows.empty()) {
+        std::fprintf(stderr, "cannot read %s\\n", path.c_str());
+        std::exit(2);
+    }
+    return rows;
+}
+
+template <typename Vector>
+void read(Vector& to, const Row& row, std::size_t at)
+{
+    for (Eigen::Index i = 0; i < to.size(); ++i) {
+        to[i] = static_cast<SCALAR>(row[at + static_cast<std::size_t>(i)]);
+    }
+}
+
+// The largest error in units in the last place of the scale; infinite where a result is NaN.
+void compare_one(double& worst, SCALAR got, double want, double scale)
+{
+    const double unit = scale*static_cast<double>(std::numeric_limits<SCALAR>::epsilon());
+    const double error = std::abs(static_cast<double>(got) - want)/unit;
+    if (!(error <= worst)) {
+        worst = std::isnan(error) ? std::numeric_limits<double>::infinity() : error;
+    }
+}
+
+inline void compare(double& worst, SCALAR got, const Row& row, std::size_t at, std::size_t scale)
+{
+    compare_one(worst, got, row[at], row[scale]);
+}
+
+template <std::size_t N>
+void compare(
+    double& worst, const std::array<SCALAR, N>& got, const Row& row, std::size_t at,
+    std::size_t scale)
+{
+    for (std::size_t i = 0; i < N; ++i) {
+        compare_one(worst, got[i], row[at + i], row[scale]);
+    }
+}
+
+template <typename Derived>
+void compare(
+    double& worst, const Eigen::MatrixBase<Derived>& got, const Row& row, std::size_t at,
+    std::size_t scale)
+{
+    for (Eigen::Index i = 0; i < got.rows(); ++i) {
+        for (Eigen::Index j = 0; j < got.cols(); ++j) {
+            compare_one(worst, got(i, j), row[at++], row[scale]);
+        }
+    }
+}
+
+bool report(const char* name, std::size_t rows, double worst)
+{
+    std::printf("%s: %d states, largest error %.3g ulp\\n", name, static_cast<int>(rows), worst);
+    return !(worst <= TOLERANCE);
+}
+TESTS
+}  // namespace
+
+int main(int count, char** words)
+{
+    const std::string folder = count > 1 ? words[1] : "VECTORS";
+    bool failed = false;
+CALLS    return failed ? 1 : 0;
+}
+"""
+
+
+class _Eigen(Tool):
+    """The folder of Eigen's headers."""
+
+    def found(self) -> str | None:
+        places = [
+            "/usr/include/eigen3",
+            "/usr/local/include/eigen3",
+            "/opt/homebrew/include/eigen3",
+        ]
+        return next((p for p in places if (Path(p) / "Eigen" / "Core").is_file()), None)
+
+    def says(self) -> str:
+        folder = Path(self.found() or "")
+        text = (folder / "Eigen/src/Core/util/Macros.h").read_text()
+        numbers = re.findall(r"define EIGEN_(?:WORLD|MAJOR|MINOR)_VERSION (\d+)", text)
+        return f"Eigen {'.'.join(numbers)}"
+
+
+WARNINGS = [
+    *("-std=c++14", "-O2", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-Wconversion"),
+    *("-Wshadow", "-Wold-style-cast", "-Wdouble-promotion"),
+]
+
+CPP = Language(
+    "cpp",
+    "C++",
+    files,
+    tools=(
+        Tool(("g++", "clang++", "c++"), get="apt install g++"),
+        _Eigen(("Eigen",), get="apt install libeigen3-dev"),
+    ),
+    build=lambda unit, tools: [
+        [tools[0], *WARNINGS, "-isystem", tools[1], "selftest.cpp", "-o", "selftest"]
+    ],
+    run=lambda unit, tools: [["./selftest"]],
+    floats=True,
+)

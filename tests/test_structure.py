@@ -40,7 +40,7 @@ MAY_IMPORT = {
     "trigonometry": [],
     "codegen": [
         *("algorithms", "arms", "build", "closed_form", "graph", "mechanism", "quantities"),
-        *("robot", "scalar", "trigonometry"),
+        *("kernels", "robot", "scalar", "trigonometry"),
     ],
     "audit": ["robot"],
     "cli": [  # algorithms: classic ones

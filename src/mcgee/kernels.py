@@ -196,7 +196,7 @@ def _traced(robot: Robot, name: str, *options: str) -> Program:
     try:
         return build.trace(robot.mechanism, name, *options, parametric=robot.parametric)
     except ZeroDivisionError:
-        raise ValueError(_singular(robot, name)) from None
+        raise ValueError(singular(robot, name)) from None
 
 
 def _asks_single(kwargs: dict[str, Any]) -> bool:
@@ -218,7 +218,7 @@ def refuse_symbols(robot: Robot, what: str) -> None:
         )
 
 
-def _singular(robot: Robot, name: str) -> str:
+def singular(robot: Robot, name: str) -> str:
     """Why M has no inverse, whatever the pose."""
     below = [
         np.array([b.mass, *b.inertia, b.armature * b.multiplier**2], float)

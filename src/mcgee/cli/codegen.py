@@ -34,13 +34,16 @@ class Wanted:
 
 def run(robot: Robot, wanted: Wanted, folder: Path, as_json: bool) -> int:
     """Write the packages; the exit code."""
-    from mcgee.codegen import LANGUAGES, VerificationError
+    from mcgee.codegen import LANGUAGES, VerificationError, language
     from mcgee.codegen.package import check
 
     targets = list(LANGUAGES) if wanted.targets == "all" else _listed(wanted.targets)
+    if not targets:
+        raise ValueError(f"no target is named. Targets: {', '.join(LANGUAGES)}, or all.")
     places = {t: folder / t if len(targets) > 1 else folder for t in targets}
-    for place in places.values():
-        check(place, wanted.force)  # all of them, before any is written
+    for target, place in places.items():  # all of them, before any is written
+        language(target, wanted.single)
+        check(place, wanted.force)
     made: list[Package] = []
     failed: list[str] = []
     for target, place in places.items():

@@ -27,10 +27,18 @@ from mcgee.codegen.verify import Verification, VerificationError, verify
 if TYPE_CHECKING:
     from mcgee.robot import Robot
 
-__all__ = ["FUNCTIONS", "LANGUAGES", "Package", "Verification", "VerificationError", "codegen"]
+__all__ = [
+    "FUNCTIONS",
+    "LANGUAGES",
+    "Package",
+    "Verification",
+    "VerificationError",
+    "codegen",
+    "language",
+]
 
 LANGUAGES: dict[str, Language] = {
-    language.name: language for language in (PYTHON, C, CPP, JAVA, MATLAB, SIMULINK, JAVASCRIPT)
+    known.name: known for known in (PYTHON, C, CPP, JAVA, MATLAB, SIMULINK, JAVASCRIPT)
 }
 """By the name of a target."""
 
@@ -70,14 +78,14 @@ def codegen(
     verified: bool,
 ) -> Package:
     """See Robot.codegen."""
-    language = _language(target, single)
+    chosen = language(target, single)
     folder = Path(directory)
     check(folder, overwrite)
-    wanted = language.functions or _functions(functions)
-    open_ = params or language.parametric
+    wanted = chosen.functions or _functions(functions)
+    open_ = params or chosen.parametric
     made = unit(robot, wanted, open_, values or {}, frame, single)
-    files = language.files(made)
-    done = verify(language, made, files) if verified else None
+    files = chosen.files(made)
+    done = verify(chosen, made, files) if verified else None
     if done is not None and done.done:
         files[VERIFIED] = done.text()
     files[MANIFEST] = manifest(made, target, files)
@@ -85,14 +93,15 @@ def codegen(
     return Package(folder, target, tuple(sorted(files)), done)
 
 
-def _language(target: str, single: bool) -> Language:
+def language(target: str, single: bool = False) -> Language:
+    """Raises: ValueError: there is no such target, or none in float"""
     if target not in LANGUAGES:
         raise ValueError(f"target is {target!r}, expected one of: {', '.join(LANGUAGES)}.")
-    language = LANGUAGES[target]
-    if single and not language.floats:
+    found = LANGUAGES[target]
+    if single and not found.floats:
         can = ", ".join(x.name for x in LANGUAGES.values() if x.floats)
         raise ValueError(f"target '{target}' has no float numbers. Targets that have: {can}.")
-    return language
+    return found
 
 
 def _functions(functions: Sequence[str]) -> tuple[str, ...]:

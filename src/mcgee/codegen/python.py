@@ -100,7 +100,7 @@ def source(unit: Unit) -> str:
     if unit.parameters:
         fields = "".join(f"    {p.identifier}: float = {p.value!r}\n" for p in unit.parameters)
         parts.append("from dataclasses import dataclass\n\nimport numpy as np\n\n\n")
-        parts.append(f"@dataclass\nclass {params_type(unit)}:\n")
+        parts.append(f"@dataclass(frozen=True)\nclass {params_type(unit)}:\n")
         parts.append(f'    """The parameters, with their values in the description."""\n\n{fields}')
     else:
         parts.append("import numpy as np\n")
@@ -186,13 +186,10 @@ def selftest(unit: Unit) -> str:
 
 def _test(unit: Unit, f: Function) -> str:
     row = layout(f)
-    inputs = "".join(f'("{a.name}", {at}, {a.size}), ' for a, at in row.inputs)
-    outputs = "".join(f"({at}, {a.size}, {s}), " for a, at, s in row.outputs)
-    called = f"robot.{symbol(unit, f)}"
-    return (
-        f'    test("{f.name}", {called}, ({inputs}),\n'
-        f"         ({outputs}), {row.width}),\n".replace(", )", ",)")
-    )
+    inputs = ", ".join(f'("{a.name}", {at}, {a.size})' for a, at in row.inputs)
+    outputs = ", ".join(f"({at}, {a.size}, {s})" for a, at, s in row.outputs)
+    given = [f'"{f.name}"', f"robot.{symbol(unit, f)}", f"[{inputs}]", f"[{outputs}]", row.width]
+    return "    test(\n" + "".join(f"        {x},\n" for x in given) + "    ),\n"
 
 
 _SELFTEST = '''import sys
@@ -217,7 +214,7 @@ def errors(result, row, outputs):
 
 def test(name, compute, inputs, outputs, width):
     rows = np.loadtxt(FOLDER / f"{name}.txt", ndmin=2)
-    assert rows.shape[1:] == (width,) and len(rows), f"the rows of {name} are not as they should be"
+    assert rows.shape[1:] == (width,), f"the rows of {name} are not as they should be"
     worst = 0.0
     for row in rows:
         given = []

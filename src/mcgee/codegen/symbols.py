@@ -77,7 +77,7 @@ def _chosen(
         if key not in defaults:
             known = ", ".join(defaults) or "none, for all its numbers are folded in"
             raise ValueError(
-                f"values names '{key}', no parameter of '{name}'. Parameters: {known}."
+                f"values names '{key}', which is no parameter of '{name}'. Parameters: {known}."
             )
     found = {key: given.get(key, value) for key, value in defaults.items()}
     missing = [key for key, value in found.items() if value is None]

@@ -17,6 +17,7 @@ from mcgee.codegen.readable import dynamics
 from mcgee.codegen.routine import Routine, routine
 from mcgee.codegen.vectors import STATES, Vectors, vectors
 from mcgee.graph.program import Array
+from mcgee.kernels import singular
 
 if TYPE_CHECKING:
     from mcgee.robot import Robot
@@ -230,10 +231,12 @@ def _options(quantity: str, frame: str) -> tuple[str, ...]:
 def _function(model: symbols.Model, quantity: str, frame: str, single: bool) -> Function:
     options = _options(quantity, frame)
     found = dynamics(model) if quantity == "terms" else None
-    if found is None:
-        found = routine(model.trace(quantity, *options)).renamed(
-            RENAMED | OF_QUANTITY.get(quantity, {})
-        )
+    try:
+        if found is None:
+            traced = routine(model.trace(quantity, *options))
+            found = traced.renamed(RENAMED | OF_QUANTITY.get(quantity, {}))
+        made = vectors(model, quantity, options, found, single)
+    except ZeroDivisionError:
+        raise ValueError(singular(model.robot, quantity)) from None
     name = "dynamics" if quantity == "terms" else quantity
-    says = SAYS[name].format(frame=words(frame))
-    return Function(name, says, found, vectors(model, quantity, options, found, single))
+    return Function(name, SAYS[name].format(frame=words(frame)), found, made)

@@ -56,10 +56,20 @@ def vectors(
     """
     Args:
         default: states at which parameters have their default values; then they are others
+    Raises: ZeroDivisionError: the result exists in no state
     """
-    states = list(_states(model, routine, single, seed, default))
-    results = [_result(model, quantity, options, routine, state) for state in states]
-    moved = [_moved(model, quantity, options, routine, state) for state in states]
+    states, results, moved = [], [], []
+    for state in _states(model, routine, single, seed, default):
+        try:
+            result = _result(model, quantity, options, routine, state)
+            other = _moved(model, quantity, options, routine, state)
+        except ZeroDivisionError:  # M is singular there
+            continue
+        states.append(state)
+        results.append(result)
+        moved.append(other)
+    if not states:
+        raise ZeroDivisionError
     usual = [statistics.median(map(_size, column)) for column in zip(*results, strict=True)]
     rows = []
     for state, result, other in zip(states, results, moved, strict=True):

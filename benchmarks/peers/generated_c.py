@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 
 from mcgee import build
-from mcgee.codegen import c, unit
+from mcgee.codegen import c
+from mcgee.codegen.unit import Function, unit
 from peers import compiler
 
 NAME = "generated C"
@@ -24,7 +25,7 @@ void batch(const double *x0, const double *x1, const double *x2, double *y, long
 """
 
 
-def loop(function: unit.Function, symbol: str) -> str:
+def loop(function: Function, symbol: str) -> str:
     """Over rows in memory; results follow each other."""
     given = [f"x{k} + i * {array.size}" for k, array in enumerate(function.inputs)]
     size, at = sum(a.size for a in function.outputs), 0
@@ -35,7 +36,7 @@ def loop(function: unit.Function, symbol: str) -> str:
 
 
 def generated(arm, name: str, build_with: str) -> tuple[ctypes.CDLL, int]:
-    made = unit.unit(arm, [name], False, {}, arm.end_frame, False)
+    made = unit(arm, [name], False, {}, arm.end_frame, False)
     folder = BUILD / f"c-{made.fingerprint[:12]}-{name}"
     folder.mkdir(parents=True, exist_ok=True)
     for path, text in c.files(made).items():
@@ -51,7 +52,7 @@ def generated(arm, name: str, build_with: str) -> tuple[ctypes.CDLL, int]:
     return ctypes.CDLL(str(library)), sum(a.size for a in function.outputs)
 
 
-def bound(load, width: int):
+def bound(load):
     def batch(*arrays: np.ndarray, keep: bool = False) -> np.ndarray:
         if batch.library is None:
             batch.library, batch.size = load()
@@ -70,7 +71,7 @@ def bound(load, width: int):
 def functions(arm, file: Path, build_with: str | None = None) -> dict:
     made_by = build_with or compiler.c()
     return {
-        name: bound(lambda name=name: generated(arm, name, made_by), arm.n)
+        name: bound(lambda name=name: generated(arm, name, made_by))
         for name in FUNCTIONS
         if name in build.SIGNATURES
     }

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
 from pathlib import Path
 
 from mcgee.codegen import c
@@ -22,7 +21,7 @@ from mcgee.codegen.expression import Syntax
 from mcgee.codegen.language import Language, Tool
 from mcgee.codegen.names import pascal
 from mcgee.codegen.routine import WORK, Item, Routine
-from mcgee.codegen.statements import Style, pieces, turns_first, unused
+from mcgee.codegen.statements import Piece, Style, pieces, turns_first, unused
 from mcgee.codegen.unit import Function, Unit
 from mcgee.graph.program import Array
 
@@ -67,26 +66,34 @@ def kind(unit: Unit, array: Array) -> str:
     return f"Eigen::Matrix<{t}, {rows}, {columns}>"
 
 
-def arguments(
-    unit: Unit, inputs: Sequence[Array], outputs: Sequence[Array], work: bool
-) -> list[str]:
-    found = [f"const {kind(unit, a)}& {a.name}" for a in inputs]
-    found += [f"{kind(unit, a)}& {a.name}" for a in outputs]
-    return [*found, f"{c.scalar(unit)}* {WORK}"] if work else found
+def arguments(unit: Unit, f: Function) -> list[str]:
+    found = [f"const {kind(unit, a)}& {a.name}" for a in f.inputs]
+    return found + [f"{kind(unit, a)}& {a.name}" for a in f.outputs]
+
+
+def pointers(unit: Unit, piece: Piece) -> list[str]:
+    """As `arguments`, of a part: no result is reloaded for fear that another one changed it."""
+    t, found = c.scalar(unit), []
+    for a in piece.inputs:
+        is_array = a.name != "params"
+        found.append(f"const {t} *{a.name}" if is_array else f"const {kind(unit, a)}& params")
+    names = [a.name for a in piece.outputs] + ([WORK] if piece.work else [])
+    return found + [f"{t} *__restrict {name}" for name in names]
 
 
 def style(unit: Unit, routine: Routine) -> Style:
+    """Formulas for readers are of Eigen's vectors and matrices, others of pointers."""
     names = [p.identifier for p in unit.parameters]
 
     def item(i: Item) -> str:
         if i.array == "params":
             return f"params.{names[i.index]}"
         shape = routine.array(i.array).shape
-        if not shape:
-            return i.array
-        if len(shape) == 2:
-            return f"{i.array}({i.index // shape[1]}, {i.index % shape[1]})"
-        return f"{i.array}[{i.index}]"
+        row, column = divmod(i.index, shape[1]) if len(shape) == 2 else (i.index, 0)
+        if routine.readable and len(shape) == 2:
+            return f"{i.array}({row}, {column})"
+        # matrices lie column by column
+        return f"{i.array}[{row + column * shape[0] if len(shape) == 2 else i.index}]"
 
     t = c.scalar(unit)
     calls = {"cos": "std::cos(", "sin": "std::sin("}
@@ -119,27 +126,35 @@ def header_file(unit: Unit) -> str:
 
 def definition(unit: Unit, f: Function) -> str:
     routine, name = f.routine, c.symbol(unit, f)
-    head = c.signature(f"inline void {name}", arguments(unit, f.inputs, f.outputs, False))
-    start = "".join(f"    (void){array.name};\n" for array in unused(routine))
-    start += "".join(
+    head = c.signature(f"inline void {name}", arguments(unit, f))
+    head = "\n" + comment(documentation(f), "/*", " * ", " */") + f"{head}\n{{\n"
+    head += "".join(f"    (void){array.name};\n" for array in unused(routine))
+    head += "".join(
         f"    {a.name}.resize({a.shape[0]}, {a.shape[1]});\n"
         for a in f.outputs
         if "Dynamic" in kind(unit, a)
     )
-    doc = "\n" + comment(documentation(f), "/*", " * ", " */")
-    if len(routine.parts) == 1:
-        return f"{doc}{head}\n{{\n{start}{body(unit, routine, 0)}}}\n"
-    functions = []
-    calls = [f"    {c.scalar(unit)} {WORK}[{max(routine.work, 1)}];\n"]
+    if routine.readable:
+        return f"{head}{body(unit, routine, 0)}}}\n"
+    functions, calls = [], []
+    if routine.work:
+        calls.append(f"    {c.scalar(unit)} {WORK}[{routine.work}];\n")
     for piece in pieces(routine):
         part = f"{name}_part{piece.number}"
-        own = arguments(unit, piece.inputs, piece.outputs, piece.work)
-        functions.append(
-            f"\n{c.signature(f'inline void {part}', own)}\n{{\n"
-            f"{body(unit, routine, piece.number - 1)}}}\n"
-        )
-        calls.append(f"    {part}({', '.join(c.passed(piece))});\n")
-    return "".join([*functions, doc, head, "\n{\n", start, *calls, "}\n"])
+        own = c.signature(f"inline void {part}", pointers(unit, piece))
+        functions.append(f"\n{own}\n{{\n{body(unit, routine, piece.number - 1)}}}\n")
+        calls.append(f"    {part}({', '.join(_passed(piece))});\n")
+    return "".join([*functions, head, *calls, "}\n"])
+
+
+def _passed(piece: Piece) -> list[str]:
+    found = []
+    for a in (*piece.inputs, *piece.outputs):
+        if a.name == "params":
+            found.append(a.name)
+        else:
+            found.append(f"{a.name}.data()" if a.shape else f"&{a.name}")
+    return [*found, WORK] if piece.work else found
 
 
 def body(unit: Unit, routine: Routine, k: int) -> str:

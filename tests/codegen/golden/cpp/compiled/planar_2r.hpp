@@ -68,6 +68,36 @@ inline void planar_2r_turns(
     }
 }
 
+inline void planar_2r_dynamics_part1(
+    const double *q,
+    const double *qdot,
+    double *__restrict M,
+    double *__restrict Cqdot,
+    double *__restrict g)
+{
+    const double angle[2] = {q[0], q[1]};
+    double cosine[2], sine[2];
+    planar_2r_turns(2, angle, cosine, sine);
+    const double c1 = cosine[0];
+    const double s1 = sine[0];
+    const double c2 = cosine[1];
+    const double s2 = sine[1];
+    M[3] = 0.35;
+    const double t1 = 0.5*c2;
+    M[0] = 1.7000000000000002 + c2;
+    const double t2 = 0.35 + t1;
+    M[2] = t2;
+    M[1] = t2;
+    const double t3 = qdot[0] + qdot[1];
+    const double t4 = 0.5*(s2*(qdot[0]*qdot[0]));
+    Cqdot[1] = t4;
+    Cqdot[0] = t4 - s2*(0.5*(t3*t3));
+    const double t5 = 9.81*s1;
+    const double t6 = 9.81*c1;
+    g[0] = -(0.5*s2*t5 - (1.5 + t1)*t6);
+    g[1] = -(0.5*(s2*t5 - c2*t6));
+}
+
 /*
  * M(q), C(q, qdot) qdot and g(q).
  * q: joint positions [rad | m], 2
@@ -83,41 +113,14 @@ inline void planar_2r_dynamics(
     Eigen::Matrix<double, 2, 1>& Cqdot,
     Eigen::Matrix<double, 2, 1>& g)
 {
-    const double angle[2] = {q[0], q[1]};
-    double cosine[2], sine[2];
-    planar_2r_turns(2, angle, cosine, sine);
-    const double c1 = cosine[0];
-    const double s1 = sine[0];
-    const double c2 = cosine[1];
-    const double s2 = sine[1];
-    M(1, 1) = 0.35;
-    const double t1 = 0.5*c2;
-    M(0, 0) = 1.7000000000000002 + c2;
-    const double t2 = 0.35 + t1;
-    M(0, 1) = t2;
-    M(1, 0) = t2;
-    const double t3 = qdot[0] + qdot[1];
-    const double t4 = 0.5*(s2*(qdot[0]*qdot[0]));
-    Cqdot[1] = t4;
-    Cqdot[0] = t4 - s2*(0.5*(t3*t3));
-    const double t5 = 9.81*s1;
-    const double t6 = 9.81*c1;
-    g[0] = -(0.5*s2*t5 - (1.5 + t1)*t6);
-    g[1] = -(0.5*(s2*t5 - c2*t6));
+    planar_2r_dynamics_part1(q.data(), qdot.data(), M.data(), Cqdot.data(), g.data());
 }
 
-/*
- * The efforts tau = M(q) qddot + C(q, qdot) qdot + g(q).
- * q: joint positions [rad | m], 2
- * qdot: joint velocities [rad/s | m/s], 2
- * qddot: joint accelerations [rad/s^2 | m/s^2], 2
- * tau: joint efforts [N m | N], 2
- */
-inline void planar_2r_inverse_dynamics(
-    const Eigen::Matrix<double, 2, 1>& q,
-    const Eigen::Matrix<double, 2, 1>& qdot,
-    const Eigen::Matrix<double, 2, 1>& qddot,
-    Eigen::Matrix<double, 2, 1>& tau)
+inline void planar_2r_inverse_dynamics_part1(
+    const double *q,
+    const double *qdot,
+    const double *qddot,
+    double *__restrict tau)
 {
     const double angle[2] = {q[0], q[1]};
     double cosine[2], sine[2];
@@ -133,6 +136,22 @@ inline void planar_2r_inverse_dynamics(
     tau[1] = t4;
     const double t5 = t4 + (c2*(0.5*t3) - s2*(0.5*(t1*t1)));
     tau[0] = 1.35*qddot[0] + 14.715*c1 + t5;
+}
+
+/*
+ * The efforts tau = M(q) qddot + C(q, qdot) qdot + g(q).
+ * q: joint positions [rad | m], 2
+ * qdot: joint velocities [rad/s | m/s], 2
+ * qddot: joint accelerations [rad/s^2 | m/s^2], 2
+ * tau: joint efforts [N m | N], 2
+ */
+inline void planar_2r_inverse_dynamics(
+    const Eigen::Matrix<double, 2, 1>& q,
+    const Eigen::Matrix<double, 2, 1>& qdot,
+    const Eigen::Matrix<double, 2, 1>& qddot,
+    Eigen::Matrix<double, 2, 1>& tau)
+{
+    planar_2r_inverse_dynamics_part1(q.data(), qdot.data(), qddot.data(), tau.data());
 }
 
 #endif

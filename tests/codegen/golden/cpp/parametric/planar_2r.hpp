@@ -115,19 +115,12 @@ inline void planar_2r_dynamics(
     g[1] = params.m2*params.lc2*params.g0*c12;
 }
 
-/*
- * The efforts tau = M(q) qddot + C(q, qdot) qdot + g(q).
- * q: joint positions [rad | m], 2
- * qdot: joint velocities [rad/s | m/s], 2
- * qddot: joint accelerations [rad/s^2 | m/s^2], 2
- * tau: joint efforts [N m | N], 2
- */
-inline void planar_2r_inverse_dynamics(
-    const Eigen::Matrix<double, 2, 1>& q,
-    const Eigen::Matrix<double, 2, 1>& qdot,
-    const Eigen::Matrix<double, 2, 1>& qddot,
+inline void planar_2r_inverse_dynamics_part1(
+    const double *q,
+    const double *qdot,
+    const double *qddot,
     const Planar2rParams& params,
-    Eigen::Matrix<double, 2, 1>& tau)
+    double *__restrict tau)
 {
     const double angle[2] = {q[0], q[1]};
     double cosine[2], sine[2];
@@ -149,6 +142,23 @@ inline void planar_2r_inverse_dynamics(
     tau[1] = t8;
     const double t9 = params.l1*(c2*(t1*t7) - s2*(t1*(t3*t3)));
     tau[0] = t5 + (t8 + t9);
+}
+
+/*
+ * The efforts tau = M(q) qddot + C(q, qdot) qdot + g(q).
+ * q: joint positions [rad | m], 2
+ * qdot: joint velocities [rad/s | m/s], 2
+ * qddot: joint accelerations [rad/s^2 | m/s^2], 2
+ * tau: joint efforts [N m | N], 2
+ */
+inline void planar_2r_inverse_dynamics(
+    const Eigen::Matrix<double, 2, 1>& q,
+    const Eigen::Matrix<double, 2, 1>& qdot,
+    const Eigen::Matrix<double, 2, 1>& qddot,
+    const Planar2rParams& params,
+    Eigen::Matrix<double, 2, 1>& tau)
+{
+    planar_2r_inverse_dynamics_part1(q.data(), qdot.data(), qddot.data(), params, tau.data());
 }
 
 #endif

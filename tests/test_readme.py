@@ -17,7 +17,8 @@ def blocks(page: Path, language: str) -> list[str]:
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
-def test_python_examples_run_in_order(page):
+def test_python_examples_run_in_order(page, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     scope: dict = {}
     for block in blocks(page, "python"):
         exec(compile(block, str(page), "exec"), scope)
@@ -32,11 +33,11 @@ COMMANDS = [
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_commands_run(command):
+def test_commands_run(command, tmp_path):
     program, *words = command.split()
     assert program == "mcgee"
     path = Path(sys.executable).with_name("mcgee")
-    result = subprocess.run([path, *words], capture_output=True, text=True)
+    result = subprocess.run([path, *words], capture_output=True, text=True, cwd=tmp_path)
     assert (result.returncode, result.stderr) == (0, "")
 
 

@@ -85,7 +85,7 @@ class Robot:
     gravity_vector: Vec3 = EARTH
     warnings: tuple[str, ...] = field(default=(), compare=False)
     made_by: tuple[str, tuple[tuple[str, Any], ...]] | None = field(default=None, compare=False)
-    """The function of `mcgee.arms` that made it, and its arguments."""
+    """The function of `mcgee.arms` that made it or what it was changed from, and its arguments."""
 
     parametric: ClassVar[bool] = False
     """Whether the inertial parameters are an argument; see `with_parameters`."""
@@ -215,9 +215,7 @@ class Robot:
             armature, viscous, coulomb: by joint name, for the joints to change
         Raises: ValueError: a joint that does not exist
         """
-        joints, made_by = self.joints, self.made_by
-        if any(x is not None for x in (gravity_vector, armature, viscous, coulomb)):
-            made_by = None
+        joints = self.joints
         for what, values in (("armature", armature), ("viscous", viscous), ("coulomb", coulomb)):
             if values is not None:
                 joints = self._with(joints, what, values)
@@ -238,7 +236,6 @@ class Robot:
             name=self.name if name is None else name,
             gravity_vector=field_,
             joints=joints,
-            made_by=made_by,
         )
 
     def _with(
@@ -286,8 +283,7 @@ class Robot:
             return plain(x.subs(put_in, simultaneous=True), "a parameter")
 
         fields = ("links", "joints", "frames", "gravity_vector")
-        changed = {f: map_numbers(getattr(self, f), put) for f in fields}
-        return dataclasses.replace(self, **changed, made_by=None)
+        return dataclasses.replace(self, **{f: map_numbers(getattr(self, f), put) for f in fields})
 
     # -- the equation of motion -------------------------------------------------------------------
 

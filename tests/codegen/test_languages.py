@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
+import re
+import shutil
 import subprocess
 import sys
 from functools import cache
@@ -12,7 +14,7 @@ import pytest
 from units import FUNCTIONS, made
 
 import mcgee
-from mcgee.codegen import LANGUAGES, VerificationError
+from mcgee.codegen import LANGUAGES, VerificationError, fmu_description
 from mcgee.codegen.common import Files
 from mcgee.codegen.language import Language, Tool
 from mcgee.codegen.unit import unit
@@ -163,18 +165,33 @@ def test_a_missing_toolchain_is_said():
 # -- golden files ---------------------------------------------------------------------------------
 
 
+SHARED = re.compile(r"vectors/.*|fmu/(sources/fm.*|selftest.py|README.md)")
+"""What is no text about this arm; an FMU's README names the machine."""
+
+
 def golden(target: str) -> Files:
     """The planar 2R arm with its parameters open, and folded in."""
-    functions = ("terms", "inverse_dynamics")
-    return {
+    functions = LANGUAGES[target].functions or ("terms", "inverse_dynamics")
+    kinds = {"parametric": True, "compiled": False}
+    if LANGUAGES[target].parametric:
+        del kinds["compiled"]
+    found = {
         f"{kind}/{path}": content
-        for kind, params in (("parametric", True), ("compiled", False))
+        for kind, params in kinds.items()
         for path, content in files(target, "planar_2r", functions, params=params).items()
-        if isinstance(content, str) and not path.startswith("vectors/")
+        if isinstance(content, str)
+        and not SHARED.fullmatch(path)
+        and not SHARED.fullmatch(f"{target}/{path}")
     }
+    if target == "fmu":
+        robot = made("planar_2r", functions, params=True)
+        for version in (2, 3):
+            path = f"parametric/modelDescription{version}.xml"
+            found[path] = fmu_description.model_description(robot, version)
+    return found
 
 
-@pytest.mark.parametrize("target", CODE)
+@pytest.mark.parametrize("target", LANGUAGES)
 def test_golden_files(target):
     """Write them anew with: python tests/codegen/test_languages.py"""
     kept = GOLDEN / target
@@ -314,7 +331,8 @@ def test_python_nan_is_that_rows_alone(module, rng):
 
 
 if __name__ == "__main__":
-    for language in CODE:
+    shutil.rmtree(GOLDEN, ignore_errors=True)
+    for language in LANGUAGES:
         for path, content in golden(language).items():
             (GOLDEN / language / path).parent.mkdir(parents=True, exist_ok=True)
             (GOLDEN / language / path).write_text(str(content))

@@ -8,8 +8,10 @@ from collections.abc import Callable, Iterable
 from functools import wraps
 from typing import Any, ParamSpec
 
+import numpy as np
+
 import mcgee
-from mcgee.model import is_number
+from mcgee.model import is_number, map_numbers
 from mcgee.robot import Robot
 
 P = ParamSpec("P")
@@ -42,9 +44,10 @@ def _kept(value: Any) -> Any:
 def symbolic(robot: Robot) -> tuple[Robot, dict[str, float]] | None:
     """The same arm with symbols for the numbers that its textbook function was given.
 
-    Returns: the arm and the numbers by the symbols' names; None where no such function made it
+    Returns: the arm and the numbers by the symbols' names; None where no such function made it, or
+        where it was changed since
     """
-    if robot.made_by is None:
+    if robot.made_by is None or robot.symbols:
         return None
     import sympy
 
@@ -65,4 +68,23 @@ def symbolic(robot: Robot) -> tuple[Robot, dict[str, float]] | None:
             given[name] = tuple(symbol(f"{name}{k}", v) for k, v in enumerate(each, 1))
         else:
             given[name] = symbol(name, value)
-    return getattr(mcgee.arms, function)(**given), defaults
+    made = getattr(mcgee.arms, function)(**given).replace(name=robot.name)
+    used = {name: value for name, value in defaults.items() if name in made.symbols}
+    return (made, defaults) if _alike(made.subs(used), robot) else None
+
+
+def _alike(a: Robot, b: Robot) -> bool:
+    """Whether two robots are the same but for rounding."""
+    numbers: tuple[list[float], list[float]] = ([], [])
+    frames = []
+    for robot, found in zip((a, b), numbers, strict=True):
+        described = (robot.links, robot.joints, robot.frames, robot.gravity_vector)
+
+        def note(x: Any, found: list[float] = found) -> float:
+            found.append(float(x))
+            return 0.0
+
+        frames.append(map_numbers(described, note))
+    first, second = (np.array(found) for found in numbers)
+    same = first.shape == second.shape and np.allclose(first, second, rtol=1e-12, atol=1e-15)
+    return bool(same and frames[0] == frames[1])

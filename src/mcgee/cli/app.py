@@ -182,25 +182,9 @@ def derive(
 )
 def codegen(
     robot: RobotArgument,
-    target: Annotated[
-        str,
-        typer.Option(
-            "--target",
-            metavar="LANGUAGE",
-            help="python, c, cpp, java, matlab, simulink, fmu, wolfram or javascript; several "
-            "with commas, or all: a folder each.",
-        ),
-    ],
+    target: codegen_view.TargetOption,
     folder: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Where to write.")],
-    functions: Annotated[
-        str,
-        typer.Option(
-            "--functions",
-            metavar="NAMES",
-            help="terms (M, C qd, g), inverse_dynamics, forward_dynamics, coriolis_matrix, "
-            "jacobian, regressor, …, with commas.",
-        ),
-    ] = "terms",
+    functions: codegen_view.FunctionsOption = "terms",
     params: Annotated[
         bool, typer.Option("--params", help="Leave parameters open; else numbers are folded in.")
     ] = False,

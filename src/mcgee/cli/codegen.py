@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.console import Console
@@ -19,6 +19,26 @@ if TYPE_CHECKING:
 
 VERIFIED, WRONG, NOT_VERIFIED = 0, 1, 3
 """Exit codes; 2 is a refusal."""
+
+
+TargetOption = Annotated[
+    str,
+    typer.Option(
+        "--target",
+        metavar="LANGUAGE",
+        help="python, c, cpp, java, matlab, simulink, fmu, wolfram or javascript; several with "
+        "commas, or all: a folder each.",
+    ),
+]
+FunctionsOption = Annotated[
+    str,
+    typer.Option(
+        "--functions",
+        metavar="NAMES",
+        help="terms (M, C qd, g), inverse_dynamics, forward_dynamics, coriolis_matrix, jacobian, "
+        "regressor, …, with commas.",
+    ),
+]
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from mcgee import build
 from mcgee.codegen.c import C
 from mcgee.codegen.cpp import CPP
+from mcgee.codegen.fmu import FMU
 from mcgee.codegen.java import JAVA
 from mcgee.codegen.javascript import JAVASCRIPT
 from mcgee.codegen.language import Language
@@ -38,7 +39,7 @@ __all__ = [
 ]
 
 LANGUAGES: dict[str, Language] = {
-    known.name: known for known in (PYTHON, C, CPP, JAVA, MATLAB, SIMULINK, JAVASCRIPT)
+    known.name: known for known in (PYTHON, C, CPP, JAVA, MATLAB, SIMULINK, FMU, JAVASCRIPT)
 }
 """By the name of a target."""
 

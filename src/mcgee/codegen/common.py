@@ -23,8 +23,12 @@ Files = dict[str, str | bytes]
 """Contents by path in the package."""
 
 
-def header(unit: Unit) -> list[str]:
-    """Lines for the comment that a file begins with."""
+def header(unit: Unit, *more: str) -> list[str]:
+    """Lines for the comment that a file begins with.
+
+    Args:
+        more: what holds in this language, sentences
+    """
     n = unit.n
     lines = [
         f"The dynamics of {unit.title}, {n} joint{'s' if n > 1 else ''}.",
@@ -33,7 +37,7 @@ def header(unit: Unit) -> list[str]:
         f"{unit.fingerprint}.",
         "This code is your own: use, change and sell it as you like.",
         "",
-        *wrapped(unit.conventions),
+        *wrapped([*unit.conventions, *more]),
         *wrapped([f"Joints: {'; '.join(unit.joints)}."]),
     ]
     return lines

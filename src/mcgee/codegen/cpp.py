@@ -22,6 +22,7 @@ from mcgee.codegen.language import Language, Tool
 from mcgee.codegen.names import pascal
 from mcgee.codegen.routine import WORK, Item, Routine
 from mcgee.codegen.statements import Piece, Style, pieces, turns_first, unused
+from mcgee.codegen.turns import together, turns_function
 from mcgee.codegen.unit import Function, Unit
 from mcgee.graph.program import Array
 
@@ -107,8 +108,9 @@ def header_file(unit: Unit) -> str:
     fast = any(c.fast(unit, f.routine) for f in unit.functions)
     standard = ["array", "cmath", *(["cfloat", "cstdint", "cstring"] if fast else [])]
     includes = "".join(f"#include <{name}>\n" for name in sorted(standard))
+    apart = "Results must not share memory with each other or with arguments."
     parts = [
-        comment(header(unit), "/*", " * ", " */"),
+        comment(header(unit, apart), "/*", " * ", " */"),
         f"#ifndef {guard}\n#define {guard}\n\n#include <Eigen/Core>\n\n{includes}",
     ]
     if unit.parameters:
@@ -118,7 +120,7 @@ def header_file(unit: Unit) -> str:
         )
         parts.append(f"\nstruct {params_type(unit)} {{\n{fields}}};\n")
     if fast:
-        turns = c.turns_function(f"inline void {unit.name}_turns", "__restrict")
+        turns = turns_function(f"inline void {unit.name}_turns", "__restrict")
         parts.append(turns.replace("EXACT", f"{unit.name.upper()}_EXACT"))
     parts += [definition(unit, f) for f in unit.functions]
     return "".join([*parts, "\n#endif\n"])
@@ -162,7 +164,7 @@ def body(unit: Unit, routine: Routine, k: int) -> str:
     if k or not c.fast(unit, routine):
         return own.body(part)
     turns, rest = turns_first(part)
-    return c.together(unit, turns, own) + own.body(rest)
+    return together(unit.name, turns, own) + own.body(rest)
 
 
 _CMAKE = """cmake_minimum_required(VERSION 3.13)

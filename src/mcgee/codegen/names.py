@@ -39,6 +39,8 @@ endfunction endif endfor endwhile endswitch until unwind_protect pi eps inf nan 
 varargin varargout nargin nargout error
 # Wolfram: its own symbols of one letter
 C D E I K N O
+# files that packages have
+selftest SelfTest vectors fmi2 fmi3 fmu fmu_model fmu_motion
 # what generated functions call their own
 q qdot qddot tau v params parameters work cos sin M Cqdot g Minv T P J Js Y c dg_dq dtau_dq
 dtau_dqdot dqddot_dq dqddot_dqdot Cv a pose poses step

@@ -9,6 +9,7 @@
  * Gravity in the root frame base: (0.0, -g0, 0.0) m/s^2.
  * tau is what the actuators add: tau = g(q) holds the arm still.
  * M includes armature; joint friction is left out.
+ * Matrices lie row by row; arrays must not overlap.
  * Joints: 1: joint1 turns [rad]; 2: joint2 turns [rad].
  */
 #ifndef PLANAR_2R_H

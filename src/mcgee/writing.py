@@ -8,12 +8,12 @@ from collections.abc import Callable
 from pathlib import Path
 
 
-def write_whole(path: Path, what: str, text: Callable[[], str]) -> Path:
+def write_whole(path: Path, what: str, text: Callable[[], str | bytes]) -> Path:
     """Write a file, or leave what was there.
 
     Args:
         what: for messages, as in "the page"
-        text: makes the text, once it is known that the place is good
+        text: makes the text or bytes, once it is known that the place is good
     Returns: the path
     Raises: ValueError: the path cannot be written
     """
@@ -21,9 +21,9 @@ def write_whole(path: Path, what: str, text: Callable[[], str]) -> Path:
         path_as_given, path = path, path.resolve()  # a link stays a link
         _check(path, what)
         if path.exists() and not path.is_file():  # a pipe, a device
-            path.write_text(text(), encoding="utf-8")
+            path.write_bytes(_bytes(text()))
         else:
-            _replace(path, text())
+            _replace(path, _bytes(text()))
     except OSError as error:
         reason = error.strerror or str(error)
         raise ValueError(f"cannot write {what} to '{path}': {reason}.") from error
@@ -42,12 +42,16 @@ def _check(path: Path, what: str) -> None:
         raise ValueError(f"cannot write {what} to '{path}': '{path.parent}' is not writable.")
 
 
-def _replace(path: Path, text: str) -> None:
+def _bytes(text: str | bytes) -> bytes:
+    return text if isinstance(text, bytes) else text.encode("utf-8")
+
+
+def _replace(path: Path, content: bytes) -> None:
     """Into a temporary file beside it, which then takes its place."""
     handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent)
     try:
-        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
-            file.write(text)
+        with os.fdopen(handle, "wb") as file:
+            file.write(content)
         os.chmod(name, 0o666 & ~_umask())  # mkstemp's own is for its user alone
         os.replace(name, path)
     except BaseException:

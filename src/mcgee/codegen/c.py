@@ -18,7 +18,7 @@ from mcgee.codegen.common import (
 from mcgee.codegen.expression import WIDTH, Syntax, decimal
 from mcgee.codegen.language import Command, Language, Tool
 from mcgee.codegen.routine import WORK, Item, Routine
-from mcgee.codegen.statements import Piece, Style, pieces, turns_first, unused
+from mcgee.codegen.statements import Piece, Style, pieces, turns_first, unused, zeros_first
 from mcgee.codegen.turns import together, turns_function
 from mcgee.codegen.unit import Function, Unit
 from mcgee.graph.program import Array
@@ -179,13 +179,13 @@ def definition(unit: Unit, f: Function) -> str:
     head = signature(f"void {symbol(unit, f)}", arguments(unit, f.inputs, f.outputs))
     head = f"\n{head}\n{{\n" + "".join(f"    (void){array.name};\n" for array in unused(routine))
     if len(routine.parts) == 1:
-        return f"{head}{body(unit, routine, 0)}}}\n"
+        return f"{head}{body(unit, routine, 0, style(unit))}}}\n"
     functions, calls = [], [f"    {scalar(unit)} {WORK}[{routine.work}];\n"]
     for piece in pieces(routine):
         name = f"{symbol(unit, f)}_part{piece.number}"
         work = routine.work if piece.work else 0
         own = signature(f"static void {name}", arguments(unit, piece.inputs, piece.outputs, work))
-        functions.append(f"\n{own}\n{{\n{body(unit, routine, piece.number - 1)}}}\n")
+        functions.append(f"\n{own}\n{{\n{body(unit, routine, piece.number - 1, style(unit))}}}\n")
         calls.append(f"    {name}({', '.join(passed(piece))});\n")
     return "".join([*functions, head, *calls, "}\n"])
 
@@ -195,13 +195,21 @@ def passed(piece: Piece) -> list[str]:
     return [*names, WORK] if piece.work else names
 
 
-def body(unit: Unit, routine: Routine, k: int) -> str:
-    """Of the k-th part; the first part's turns are done together."""
-    own, part = style(unit), routine.parts[k]
-    if k or not fast(unit, routine):
+def body(unit: Unit, routine: Routine, k: int, own: Style) -> str:
+    """Of the k-th part; the first clears what is mostly zeros, and turns by all angles at once."""
+    part = routine.parts[k]
+    if k or routine.readable:
         return own.body(part)
-    turns, rest = turns_first(part)
-    return together(unit.name, turns, own) + own.body(rest)
+    cleared, part = zeros_first(part)
+    text = "".join(_clear(name, routine.array(name).size) for name in cleared)
+    if fast(unit, routine):
+        turns, part = turns_first(part)
+        text += together(unit.name, turns, own)
+    return text + own.body(part)
+
+
+def _clear(name: str, size: int) -> str:
+    return f"    for (int i = 0; i < {size}; ++i) {{\n        {name}[i] = 0;\n    }}\n"
 
 
 _CMAKE = """cmake_minimum_required(VERSION 3.13)

@@ -21,8 +21,8 @@ from mcgee.codegen.expression import Syntax
 from mcgee.codegen.language import Language, Tool
 from mcgee.codegen.names import pascal
 from mcgee.codegen.routine import WORK, Item, Routine
-from mcgee.codegen.statements import Piece, Style, pieces, turns_first, unused
-from mcgee.codegen.turns import together, turns_function
+from mcgee.codegen.statements import Piece, Style, pieces, unused
+from mcgee.codegen.turns import turns_function
 from mcgee.codegen.unit import Function, Unit
 from mcgee.graph.program import Array
 
@@ -137,14 +137,15 @@ def definition(unit: Unit, f: Function) -> str:
         if "Dynamic" in kind(unit, a)
     )
     if routine.readable:
-        return f"{head}{body(unit, routine, 0)}}}\n"
+        return f"{head}{c.body(unit, routine, 0, style(unit, routine))}}}\n"
     functions, calls = [], []
     if routine.work:
         calls.append(f"    {c.scalar(unit)} {WORK}[{routine.work}];\n")
     for piece in pieces(routine):
         part = f"{name}_part{piece.number}"
         own = c.signature(f"inline void {part}", pointers(unit, piece))
-        functions.append(f"\n{own}\n{{\n{body(unit, routine, piece.number - 1)}}}\n")
+        inside = c.body(unit, routine, piece.number - 1, style(unit, routine))
+        functions.append(f"\n{own}\n{{\n{inside}}}\n")
         calls.append(f"    {part}({', '.join(_passed(piece))});\n")
     return "".join([*functions, head, *calls, "}\n"])
 
@@ -157,14 +158,6 @@ def _passed(piece: Piece) -> list[str]:
         else:
             found.append(f"{a.name}.data()" if a.shape else f"&{a.name}")
     return [*found, WORK] if piece.work else found
-
-
-def body(unit: Unit, routine: Routine, k: int) -> str:
-    own, part = style(unit, routine), routine.parts[k]
-    if k or not c.fast(unit, routine):
-        return own.body(part)
-    turns, rest = turns_first(part)
-    return together(unit.name, turns, own) + own.body(rest)
 
 
 _CMAKE = """cmake_minimum_required(VERSION 3.13)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -10,6 +11,7 @@ from mcgee.codegen.routine import (
     WORK,
     Expression,
     Let,
+    Number,
     Part,
     Put,
     Routine,
@@ -95,3 +97,16 @@ def turns_first(part: Part) -> tuple[list[Turn], Part]:
         count += 1
     first = [step for step in part[:count] if isinstance(step, Turn)]
     return first, (*(s for s in part[:count] if not isinstance(s, Turn)), *part[count:])
+
+
+MANY = 16
+"""Zeros of an array from which on all of it is cleared first."""
+
+
+def zeros_first(part: Part) -> tuple[list[str], Part]:
+    """The outputs that are better cleared before a first part, and what is left of it."""
+    zeros = [step for step in part if isinstance(step, Put) and step.value == Number(0.0)]
+    count = Counter(step.place.array for step in zeros)
+    cleared = [name for name, times in count.items() if times >= MANY]
+    drop = {id(step) for step in zeros if step.place.array in cleared}
+    return cleared, tuple(step for step in part if id(step) not in drop)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from importlib import resources
+
 import mpmath
 import numpy as np
 import pytest
 from units import arm, made
 
+import mcgee
 from mcgee import quantities
 from mcgee.codegen.common import layout
 from mcgee.codegen.vectors import STATES
@@ -115,3 +118,15 @@ def test_fingerprints_tell_descriptions_apart():
 
     other = unit(heavy, ["gravity"], False, {}, heavy.end_frame, False)
     assert other.fingerprint != made("planar_2r", ("gravity",)).fingerprint
+
+
+def test_fingerprints_do_not_know_where_a_file_lies(tmp_path):
+    from mcgee.codegen.unit import unit
+
+    text = (resources.files("mcgee") / "robots" / "panda.urdf").read_text()
+    found = []
+    for name in ("a.urdf", "b.urdf"):
+        (tmp_path / name).write_text(text)
+        robot = mcgee.load(tmp_path / name)
+        found.append(unit(robot, ["gravity"], False, {}, robot.end_frame, False).fingerprint)
+    assert found[0] == found[1] == made("panda", ("gravity",)).fingerprint

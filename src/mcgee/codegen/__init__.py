@@ -24,6 +24,7 @@ from mcgee.codegen.python import PYTHON
 from mcgee.codegen.simulink import SIMULINK
 from mcgee.codegen.unit import unit
 from mcgee.codegen.verify import Verification, VerificationError, verify
+from mcgee.codegen.wolfram import WOLFRAM
 
 if TYPE_CHECKING:
     from mcgee.robot import Robot
@@ -38,9 +39,9 @@ __all__ = [
     "language",
 ]
 
-LANGUAGES: dict[str, Language] = {
-    known.name: known for known in (PYTHON, C, CPP, JAVA, MATLAB, SIMULINK, FMU, JAVASCRIPT)
-}
+_ALL = (PYTHON, C, CPP, JAVA, MATLAB, SIMULINK, FMU, WOLFRAM, JAVASCRIPT)
+
+LANGUAGES: dict[str, Language] = {known.name: known for known in _ALL}
 """By the name of a target."""
 
 FUNCTIONS = tuple(build.SIGNATURES)

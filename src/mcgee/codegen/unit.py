@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -147,9 +147,10 @@ class Unit:
 
     @cached_property
     def fingerprint(self) -> str:
-        """The same for descriptions that are the same to the last bit."""
+        """The same for descriptions that are the same to the last bit, whatever file says them."""
         r = self.robot
-        described = (r.links, r.joints, r.frames, r.gravity_vector, self.parameters)
+        links, joints = (tuple(replace(x, place="") for x in xs) for xs in (r.links, r.joints))
+        described = (links, joints, r.frames, r.gravity_vector, self.parameters)
         return hashlib.sha256(repr(described).encode()).hexdigest()
 
     @property

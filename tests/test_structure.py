@@ -43,6 +43,8 @@ MAY_IMPORT = {
         *("kernels", "robot", "scalar", "trigonometry"),
     ],
     "audit": ["robot"],
+    "control": ["kernels", "mechanism", "model", "robot"],
+    "simulate": ["control", "explain", "kernels", "robot", "typeset", "writing"],
     "cli": [  # algorithms: classic ones
         *("algorithms", "audit", "build", "closed_form", "codegen", "explain", "kernels"),
         *("robot", "typeset"),

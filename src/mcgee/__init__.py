@@ -4,11 +4,20 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from mcgee import arms, audit
+from mcgee import arms, audit, control
 from mcgee.errors import ModelError, ModelWarning
 from mcgee.formats.dh import from_dh
 from mcgee.formats.load import load
 from mcgee.robot import ForwardDerivatives, InverseDerivatives, Limits, Robot, Terms
+from mcgee.simulate import (  # the function over its package, whose modules import by name
+    Friction,
+    Rollout,
+    SimulationError,
+    Stops,
+    Trajectory,
+    rollout,
+    simulate,
+)
 from mcgee.threads import num_threads, set_num_threads
 
 __version__ = "0.1.0"
@@ -18,19 +27,27 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ForwardDerivatives",
+    "Friction",
     "InverseDerivatives",
     "Limits",
     "ModelError",
     "ModelWarning",
     "Robot",
+    "Rollout",
+    "SimulationError",
+    "Stops",
     "Terms",
+    "Trajectory",
     "arms",
     "audit",
+    "control",
     "from_dh",
     "lagrange",
     "load",
     "num_threads",
+    "rollout",
     "set_num_threads",
+    "simulate",
 ]
 
 

@@ -4,12 +4,14 @@ import gc
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 from mcgee import quantities
 from mcgee.algorithms.frames import canonical, slid
 from mcgee.algorithms.parameters import TEN, with_parameters
 from mcgee.algorithms.regroup import regrouped
+from mcgee.algorithms.runge_kutta import runge_kutta
 from mcgee.algorithms.turns import COMPOSITES, NEWTON_EULER, STATICS
 from mcgee.graph.differentiate import jacobian
 from mcgee.graph.node import Graph, LimitError, Node, Value
@@ -154,6 +156,25 @@ def trace_symbolic(
     with collection_paused():
         programs = [on(way, regroup) for way in ways for regroup in choices]
     return min(programs, key=Program.arithmetic)
+
+
+def trace_step(mechanism: Mechanism, viscous: Sequence[float]) -> Program:
+    """One step of the classical Runge-Kutta method: (q, qd, tau, h) -> (q, qd).
+
+    Args:
+        viscous: friction of the coordinates (n,), zeros for none
+    """
+    n, way = mechanism.n, "forward_dynamics"
+    if n <= SHORT:
+        ways = ("forward_dynamics", *ALTERNATIVES["forward_dynamics"])
+        way = min(ways, key=lambda w: _traced(mechanism, way, w, (), False, True).arithmetic())
+    vector, model = Array("q", (n,)), regrouped(_with_frames(mechanism, way, turned=True))
+    inputs = (vector, Array("qd", (n,)), Array("tau", (n,)), Array("h", ()))
+    with collection_paused():
+        graph = Graph()
+        q, qd, tau, (h,) = (graph.inputs(array.name, array.size) for array in inputs)
+        result = runge_kutta(partial(getattr(quantities, way), model), q, qd, tau, h, viscous)
+    return Program("rollout", inputs, inputs[:2], tuple(_flat(result)))
 
 
 def _differentiated(tau: Program, outputs: tuple[Array, ...]) -> Program:

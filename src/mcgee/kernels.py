@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import threading
 from collections.abc import Callable
@@ -16,6 +17,7 @@ from mcgee.graph.program import Program
 from mcgee.jit.compile import compiled_row
 from mcgee.jit.door import door_type, hang, is_open, open_
 from mcgee.jit.ufunc import gufunc
+from mcgee.jit.ufunc import rollout as rollout_ufunc
 from mcgee.mechanism import Mechanism
 
 
@@ -188,6 +190,45 @@ def compiled(robot: Robot, name: str, *options: str, single: bool = False) -> tu
             with build.collection_paused():
                 program = _traced(robot, name, *options)
                 known[key] = gufunc(program, single=single), len(program.nodes)
+        return known[key]
+
+
+def rollout(
+    robot: Any,
+    state: tuple[np.ndarray, np.ndarray],
+    tau: np.ndarray,
+    dt: np.ndarray,
+    substeps: int,
+    viscous: bool,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Many steps of motion, see `mcgee.simulate.rollout`; the loop is compiled at most once."""
+    ufunc, cost = _rollout(robot, viscous)
+    lead = np.broadcast_shapes(*(x.shape[:-1] for x in state), tau.shape[:-2], dt.shape)
+    times, n = tau.shape[-2:]
+    rows = lead or (1,)
+    given = [
+        *(np.broadcast_to(x, (*rows, n)) for x in state),
+        *(np.broadcast_to(tau, (*rows, times, n)), np.broadcast_to(dt, rows)),
+        np.broadcast_to(float(substeps), rows),
+    ]
+    outputs = np.empty((*rows, times, n)), np.empty((*rows, times, n))
+    operations = cost * times * substeps * math.prod(rows[1:])
+    threads.run_rows(ufunc, operations, given, outputs)
+    return outputs[0].reshape(*lead, times, n), outputs[1].reshape(*lead, times, n)
+
+
+def _rollout(robot: Any, viscous: bool) -> tuple[np.ufunc, int]:
+    refuse_symbols(robot, "rollouts")
+    known = robot.__dict__.setdefault("_ufuncs", {})
+    key = ("rollout", (), viscous)
+    with _lock:
+        if key not in known:
+            friction = [float(j.viscous) * viscous for j in robot.independent_joints]
+            try:
+                program = build.trace_step(robot.mechanism, friction)
+            except ZeroDivisionError:
+                raise ValueError(singular(robot, "forward_dynamics")) from None
+            known[key] = rollout_ufunc(program), len(program.nodes)
         return known[key]
 
 

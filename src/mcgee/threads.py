@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import operator
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
@@ -70,18 +70,49 @@ def run(ufunc: np.ufunc, operations: int, args: tuple, kwargs: dict[str, Any]) -
     if plan is None:
         return ufunc(*args, **kwargs)
     lead, axis, chunks, outputs = plan
-    state: dict[str, Any] = {**np.geterr(), "call": np.geterrcall()}
 
     def compute(start: int, stop: int) -> None:
         parts = [_rows(a, 1, lead, axis, start, stop) for a in args]
         into = tuple(_rows(out, out.ndim - len(lead), lead, axis, start, stop) for out in outputs)
+        ufunc(*parts, **{**kwargs, "out": into})
+
+    _on_threads(compute, chunks)
+    return outputs if ufunc.nout > 1 else outputs[0]
+
+
+def run_rows(
+    ufunc: np.ufunc, operations: int, args: Sequence[np.ndarray], outputs: tuple[np.ndarray, ...]
+) -> None:
+    """Fill the outputs; the first axis of every operand is cut where that pays.
+
+    Args:
+        operations: what a row costs
+    """
+    rows = len(outputs[0])
+    wanted = min(num_threads(), rows * operations // ENOUGH, rows)
+    step = max(1, -(-rows // max(wanted, 1)))
+    if step > GRAIN:
+        step = -(-step // GRAIN) * GRAIN
+
+    def compute(start: int, stop: int) -> None:
+        part = slice(start, stop)
+        ufunc(*(a[part] for a in args), out=tuple(out[part] for out in outputs))
+
+    _on_threads(compute, [(at, min(at + step, rows)) for at in range(0, rows, step)])
+
+
+def _on_threads(compute: Callable[[int, int], None], chunks: list[tuple[int, int]]) -> None:
+    """Each chunk on a thread, the first on this one."""
+    state: dict[str, Any] = {**np.geterr(), "call": np.geterrcall()}
+
+    def alike(start: int, stop: int) -> None:
         with np.errstate(**state):  # which NumPy keeps for each thread
-            ufunc(*parts, **{**kwargs, "out": into})
+            compute(start, stop)
 
     waiting, own = [], chunks[:1]
     for chunk in chunks[1:]:
         try:
-            waiting.append(_workers().submit(compute, *chunk))
+            waiting.append(_workers().submit(alike, *chunk))
         except RuntimeError:  # the interpreter is about to end and gives no more work out
             own.append(chunk)
     try:
@@ -92,7 +123,6 @@ def run(ufunc: np.ufunc, operations: int, args: tuple, kwargs: dict[str, Any]) -
     for failure in failures:
         if failure is not None:
             raise failure
-    return outputs if ufunc.nout > 1 else outputs[0]
 
 
 def _plan(

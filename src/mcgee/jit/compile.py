@@ -17,6 +17,7 @@ from mcgee.graph.program import Program
 from mcgee.jit import cache
 from mcgee.jit.kernel import kernel_ir
 from mcgee.jit.loop import loop_ir
+from mcgee.jit.rollout import rollout_ir
 from mcgee.jit.sincos import sincos_ir
 from mcgee.jit.single import single_ir
 from mcgee.jit.target import Target, host
@@ -57,6 +58,13 @@ def compiled(program: Program, *, single: bool = False) -> int:
     kernel = kernel_ir(program, target)
     text = sincos_ir(target) + kernel.text + loop_ir(program, kernel, target)
     return address("loop", text)
+
+
+def compiled_rollout(program: Program) -> int:
+    """The address of the loop of many steps of a program, see `rollout_ir`."""
+    target = host()
+    kernel = kernel_ir(program, target)
+    return address("rollout", sincos_ir(target) + kernel.text + rollout_ir(program, kernel, target))
 
 
 def compiled_row(program: Program) -> int:

@@ -10,7 +10,7 @@ from functools import cache
 import numpy as np
 
 from mcgee.graph.program import Array, Program
-from mcgee.jit.compile import compiled
+from mcgee.jit.compile import compiled, compiled_rollout
 
 FROM_SIGNATURE = 31  # PyUFunc_FromFuncAndDataAndSignature in NumPy's __ufunc_api.h
 NPY_FLOAT, NPY_DOUBLE = 11, 12
@@ -19,14 +19,29 @@ _kept: list = []  # NumPy keeps the pointers, not what they point to
 
 def gufunc(program: Program, doc: str = "", *, single: bool = False) -> np.ufunc:
     """The program as a gufunc of float64 or float32 arrays with fixed core sizes."""
-    nin, nout = len(program.inputs), len(program.outputs)
-    loops = (ctypes.c_void_p * 1)(compiled(program, single=single))
+    loop = compiled(program, single=single)
+    counts = len(program.inputs), len(program.outputs)
+    return _made(loop, program.name, doc, signature(program), counts, single)
+
+
+def rollout(program: Program) -> np.ufunc:
+    """Many steps of a program of two states, an input and a number, see `rollout_ir`.
+
+    (n), (n), (steps, n), (), () -> (steps, n), (steps, n)
+    """
+    n = program.inputs[0].size
+    core = f"({n}),({n}),(s,{n}),(),()->(s,{n}),(s,{n})"
+    return _made(compiled_rollout(program), program.name, "", core, (5, 2), False)
+
+
+def _made(
+    loop: int, title: str, doc: str, core_sizes: str, counts: tuple[int, int], single: bool
+) -> np.ufunc:
+    nin, nout = counts
+    loops = (ctypes.c_void_p * 1)(loop)
     data = (ctypes.c_void_p * 1)(None)
     types = ctypes.create_string_buffer(bytes([NPY_FLOAT if single else NPY_DOUBLE] * (nin + nout)))
-    texts = [
-        ctypes.create_string_buffer(text.encode())
-        for text in (program.name, doc, signature(program))
-    ]
+    texts = [ctypes.create_string_buffer(text.encode()) for text in (title, doc, core_sizes)]
     name, doc_text, core = (ctypes.addressof(text) for text in texts)
     address = ctypes.addressof
     function = _constructor()(

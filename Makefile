@@ -2,7 +2,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: demo test lint bench bench-closed-forms bench-codegen clean
+.PHONY: demo test lint bench bench-closed-forms bench-codegen bench-rollouts clean
 
 demo: .venv/installed
 	$(BIN)/mcgee explain planar_2r --q 0.5,0.3 --qd 0.1,-0.2 --html planar_2r.html
@@ -25,6 +25,9 @@ bench-closed-forms: .venv/installed-test
 
 bench-codegen: .venv/installed-test
 	env -u OPENBLAS_CORETYPE -u OPENBLAS_L2_SIZE $(BIN)/python benchmarks/codegen.py
+
+bench-rollouts: .venv/installed-test
+	env -u OPENBLAS_CORETYPE -u OPENBLAS_L2_SIZE $(BIN)/python benchmarks/rollouts.py
 
 .venv/installed: pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and \

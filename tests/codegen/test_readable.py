@@ -12,7 +12,7 @@ from test_routine import PYTHON, run
 import mcgee
 from mcgee.codegen import readable, symbols
 from mcgee.codegen.expression import text
-from mcgee.codegen.routine import Item, Let, Put, Turn
+from mcgee.codegen.routine import Item, Let, Put, Turn, routine
 from robots import built_in
 
 NAMED = ["pendulum", "planar_2r", "planar_3r", "acrobot", "cart_pole", "scara"]
@@ -106,6 +106,17 @@ def test_long_formulas_are_left_to_the_graph(monkeypatch):
     assert readable.dynamics(model("planar_2r")) is None
     made = model("planar_2r").trace("terms")
     assert [a.name for a in made.inputs] == ["q", "qd", "params"]
+
+
+def test_symbols_called_like_coordinates_are_left_to_the_graph(rng):
+    arm = mcgee.arms.planar_2r(m1=sympy.Symbol("q1"), l1=sympy.Symbol("qd2"))
+    of = symbols.model(arm, False, {"q1": 2.0, "qd2": 0.7})
+    assert readable.dynamics(of) is None
+    made = routine(of.trace("terms"))
+    q, qd = rng.normal(size=(2, 2))
+    got = run(made, q, qd, np.array([of.defaults[s] for s in arm.symbols]))
+    for a, b in zip(got, arm.subs(of.defaults).terms(q, qd), strict=True):
+        assert abs(a - b).max() <= 1e-13 * max(1, abs(b).max())
 
 
 def test_numbers_are_not_formulas():

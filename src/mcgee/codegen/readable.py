@@ -45,10 +45,13 @@ Signed = tuple[bool, Expression]
 
 
 def dynamics(model: Model) -> Routine | None:
-    """M, C qdot and g; None where the arm has no symbols, or too many terms for readers."""
+    """M, C qdot and g; None where the arm has no symbols, or no formulas for readers."""
     if not model.symbolic:
         return None
-    form = model.robot.closed_form()
+    try:
+        form = model.robot.closed_form()
+    except ValueError:  # a symbol is called like a coordinate, or is in no polynomial
+        return None
     if sum(map(form.terms, ("M", "Cqd", "g"))) > MOST:
         return None
     writer = _Writer(form, list(model.defaults))

@@ -13,6 +13,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from mcgee.closed_form import ClosedForm
 from mcgee.codegen.common import (
     TOLERANCE,
     VECTORS,
@@ -56,10 +57,10 @@ OF_VELOCITIES = ("kinetic_energy", "coriolis_matrix", "coriolis_forces")
 
 
 def files(unit: Unit) -> Files:
-    name = context(unit)
+    name, form = context(unit), written_out(unit)
     return {
-        f"{name}.wl": package(unit),
-        "selftest.wl": selftest(unit),
+        f"{name}.wl": package(unit, form),
+        "selftest.wl": selftest(unit, form),
         "README.md": readme(
             unit,
             "Wolfram's language",
@@ -76,7 +77,7 @@ def context(unit: Unit) -> str:
     return f"{pascal(unit.name)}Dynamics"
 
 
-def package(unit: Unit) -> str:
+def package(unit: Unit, form: ClosedForm | None) -> str:
     head = comment(header(unit), "(*", "   ", "*)")
     own = Symbols(unit)
     derived = own.filled(template("derived"))
@@ -88,7 +89,7 @@ def package(unit: Unit) -> str:
         f'{head}\nBeginPackage["{name}`"]\n\n'
         f'Quiet[ClearAll["{name}`*", "{name}`Private`*"]] (* of an earlier version *)\n\n'
         f'{"".join(_usages(unit))}{_parameters(unit)}\nBegin["`Private`"]\n\n'
-        + "\n".join([energies(unit), derived, *functions])
+        + "\n".join([energies(unit, form), derived, *functions])
         + "\nEnd[]\n\nEndPackage[]\n"
     )
 
@@ -240,8 +241,10 @@ DERIVED = {
 """What numeric functions give, by what derives from T and P."""
 
 
-def selftest(unit: Unit) -> str:
-    tests = [test for f in unit.functions for test in _tests(unit, f)]
+def selftest(unit: Unit, form: ClosedForm | None) -> str:
+    few = STATES_OF_BODIES if len(unit.robot.mechanism.bodies) <= MOST_BODIES else 0
+    states = STATES if form else few
+    tests = [test for f in unit.functions for test in _tests(unit, f, states)]
     return Symbols(unit).filled(
         template("selftest"),
         package=context(unit),
@@ -250,12 +253,12 @@ def selftest(unit: Unit) -> str:
     )
 
 
-def _tests(unit: Unit, f: Function) -> Iterator[str]:
+def _tests(unit: Unit, f: Function, states: int) -> Iterator[str]:
+    """Of its numbers, and of what is derived at so many states."""
     own = Symbols(unit)
     sizes = ", ".join(listed(str(a.size) for a in arrays) for arrays in (f.inputs, f.outputs))
     yield f'test["{f.name}", "", Infinity, {sizes},\n  {own.own(numeric(f))}, {TOLERANCE}]'
-    count = _states(unit)
-    if f.name in DERIVED and count:
+    if f.name in DERIVED and states:
         terms = own.filled(DERIVED[f.name])
         if f.takes_parameters:
             names = _wrapped(own.parameters, 6)
@@ -263,16 +266,9 @@ def _tests(unit: Unit, f: Function) -> Iterator[str]:
         given = listed(a.name for a in f.inputs)
         tolerance = round(DERIVED_TOLERANCE / 2**-52)
         yield (
-            f'test["{f.name}", " from T and P", {count}, {sizes},\n'
+            f'test["{f.name}", " from T and P", {states}, {sizes},\n'
             f"  Function[{given}, {terms}],\n  {tolerance}]"
         )
-
-
-def _states(unit: Unit) -> int:
-    """At how many states derived terms are tried."""
-    if written_out(unit):
-        return STATES
-    return STATES_OF_BODIES if len(unit.robot.mechanism.bodies) <= MOST_BODIES else 0
 
 
 # -- a kernel -------------------------------------------------------------------------------------

@@ -59,6 +59,7 @@ def words_of_templates() -> frozenset[str]:
 
 
 ARRAYS = ("q", "qdot", "qddot", "tau", "v", "params")
+"""What functions call their arguments."""
 
 
 # -- names ----------------------------------------------------------------------------------------
@@ -158,9 +159,8 @@ def number(x: float) -> str:
 # -- T and P --------------------------------------------------------------------------------------
 
 
-def energies(unit: Unit) -> str:
+def energies(unit: Unit, form: ClosedForm | None) -> str:
     """The definitions of T and P, g and the Christoffel symbols."""
-    form = written_out(unit)
     return _of_bodies(unit) if form is None else _formulas(unit, form)
 
 

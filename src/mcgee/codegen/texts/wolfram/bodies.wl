@@ -25,10 +25,14 @@ outwards[next_, ground_] := Rest[Fold[
   {ground},
   bodies]]
 
-(* A body's pose, and the derivatives of that by the coordinates. *)
+(* A body's pose, and the derivatives of that by the coordinates, of which many are zero. *)
 motion[{pose_, slopes_}, body_, q_] := With[
   {here = place[body, q], turned = pose . place[body, q] . twist[body[[2]]]},
-  {pose . here, Map[# . here &, slopes] + Outer[Times, share[body], turned]}]
+  {pose . here, Map[carried[#, here] &, slopes] + Outer[Times, share[body], turned]}]
+
+zero = ConstantArray[0, {4, 4}];
+carried[zero, _] = zero;
+carried[slope_, here_] := slope . here
 
 (* And the second derivatives. *)
 motion[{pose_, slopes_, curves_}, body_, q_] := With[
@@ -36,20 +40,20 @@ motion[{pose_, slopes_, curves_}, body_, q_] := With[
   Append[
     motion[{pose, slopes}, body, q],
     Table[
-      curves[[first, second]] . here +
+      carried[curves[[first, second]], here] +
         own[[first]]*more[[second]] + own[[second]]*more[[first]],
       {first, <n>}, {second, <n>}]]]
 
 bent[pose_, slopes_, body_, q_] := With[
   {turned = place[body, q] . twist[body[[2]]]},
-  Map[# . turned &, slopes] + Outer[Times, share[body]/2, pose . turned . twist[body[[2]]]]]
+  Map[carried[#, turned] &, slopes] + Outer[Times, share[body]/2, pose . turned . twist[body[[2]]]]]
 
 (* The slopes, weighed by a body's mass, first moments and second moments. *)
 weighed[slopes_, {_, _, _, _, _, mass_, moment_, inertia_, _}] := With[
   {moments = Append[
      MapThread[Append, {Tr[inertia]/2*IdentityMatrix[3] - inertia, moment}],
      Append[moment, mass]]},
-  Map[Flatten[# . moments] &, slopes]]
+  Map[Flatten[carried[#, moments]] &, slopes]]
 
 inertias[{_, slopes_}, body_] :=
   weighed[slopes, body] . Transpose[Map[Flatten, slopes]] +

@@ -280,7 +280,7 @@ class Kernel(Tool):
 
     def found(self) -> str | None:
         beside = Path(sys.executable).parent / "mathics"
-        return Tool.found(self) or shutil.which(beside)
+        return Tool.found(self) or shutil.which(str(beside))
 
 
 WOLFRAM = Language(

@@ -55,7 +55,9 @@ JOINTS = {
     "planar_2r": 2,
     "planar_3r": 3,
     "acrobot": 2,
+    "pendubot": 2,
     "cart_pole": 2,
+    "inertia_wheel_pendulum": 2,
     "scara": 4,
     "stanford": 6,
     "puma560": 6,
@@ -287,6 +289,33 @@ def test_acrobot_of_gymnasium():
     M, bias = mass_matrix(robot, q), coriolis(robot, q, qd) + gravity(robot, q)
     assert M[0] == pytest.approx([d1, d2])
     assert bias == pytest.approx([phi1, 0.5 * qd[0] ** 2 * s2 + phi2])
+
+
+# -- pendubot and inertia-wheel pendulum ---------------------------------------------------------
+
+
+def test_the_pendubot_is_an_acrobot_with_its_motor_at_the_shoulder():
+    rng = np.random.default_rng(1)
+    q = rng.normal(size=(4, 2))
+    alike = arms.planar_2r()
+    assert arms.pendubot().mass_matrix(q) == pytest.approx(alike.mass_matrix(q))
+    assert arms.pendubot().gravity(q) == pytest.approx(alike.gravity(q))
+    assert list(arms.pendubot().limits.effort) == [math.inf, 0.0]
+    assert arms.pendubot(m2=3.0).links[2].inertia.mass == 3.0
+
+
+def test_the_wheel_pendulum_has_the_equations_of_its_docstring():
+    rng = np.random.default_rng(1)
+    arm = arms.inertia_wheel_pendulum(m1=1.5, m2=0.7, l1=0.8, lc1=0.3, I1=0.2, I2=0.05, g0=9.0)
+    q, qd = rng.normal(size=(2, 4, 2))
+    M = [[1.5 * 0.09 + 0.7 * 0.64 + 0.25, 0.05], [0.05, 0.05]]
+    m3 = (1.5 * 0.3 + 0.7 * 0.8) * 9.0
+    assert arm.mass_matrix(q) == pytest.approx(np.broadcast_to(M, (4, 2, 2)))
+    assert abs(arm.coriolis(q, qd)).max() < 1e-14
+    assert arm.gravity(q) == pytest.approx(np.stack([-m3 * np.sin(q[:, 0]), 0 * q[:, 0]], 1))
+    assert arm.potential_energy(q) == pytest.approx(m3 * np.cos(q[:, 0]))
+    hangs = arms.inertia_wheel_pendulum(angle_from="down")
+    assert hangs.gravity([0.1, 0.0])[0] == pytest.approx(14.715 * np.sin(0.1))
 
 
 # -- cart-pole ------------------------------------------------------------------------------------
@@ -609,6 +638,11 @@ def test_shipped_limits():
         (
             lambda: arms.pendulum(angle_from="up"),
             "angle_from is 'up', expected 'horizontal' or 'down'.",
+        ),
+        (lambda: arms.inertia_wheel_pendulum(I2=-1), "I2 is -1, expected zero or more [kg·m²]."),
+        (
+            lambda: arms.inertia_wheel_pendulum(angle_from="left"),
+            "angle_from is 'left', expected 'up' or 'down'.",
         ),
         (lambda: arms.cart_pole(angle_from="x"), "angle_from is 'x', expected 'up' or 'down'."),
         (lambda: arms.planar_2r(m2=-1), "link 2: m is -1, expected zero or more [kg]."),

@@ -19,7 +19,7 @@ def write_whole(path: Path, what: str, text: Callable[[], str | bytes]) -> Path:
     """
     try:
         path_as_given, path = path, path.resolve()  # a link stays a link
-        _check(path, what)
+        check_place(path, what)
         if path.exists() and not path.is_file():  # a pipe, a device
             path.write_bytes(_bytes(text()))
         else:
@@ -30,8 +30,11 @@ def write_whole(path: Path, what: str, text: Callable[[], str | bytes]) -> Path:
     return path_as_given
 
 
-def _check(path: Path, what: str) -> None:
-    """Before the text is made."""
+def check_place(path: Path, what: str) -> None:
+    """Whether a file can be there, before what is in it is made.
+
+    Raises: ValueError: it cannot
+    """
     if path.is_dir():
         raise ValueError(f"cannot write {what} to '{path}': it is a folder. Name a file in it.")
     if not path.parent.is_dir():

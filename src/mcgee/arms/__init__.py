@@ -5,7 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from mcgee.arms.planar import acrobot, cart_pole, pendulum, planar_2r, planar_nr
+from mcgee.arms.planar import (
+    acrobot,
+    cart_pole,
+    inertia_wheel_pendulum,
+    pendubot,
+    pendulum,
+    planar_2r,
+    planar_nr,
+)
 from mcgee.arms.spatial import puma560, scara, stanford
 from mcgee.arms.textbook import symbolic
 from mcgee.robot import Robot
@@ -14,7 +22,9 @@ __all__ = [
     "BUILTIN",
     "acrobot",
     "cart_pole",
+    "inertia_wheel_pendulum",
     "panda",
+    "pendubot",
     "pendulum",
     "planar_2r",
     "planar_3r",
@@ -53,7 +63,9 @@ BUILTIN: dict[str, Callable[[], Robot]] = {
     "planar_2r": planar_2r,
     "planar_3r": planar_3r,
     "acrobot": acrobot,
+    "pendubot": pendubot,
     "cart_pole": cart_pole,
+    "inertia_wheel_pendulum": inertia_wheel_pendulum,
     "scara": scara,
     "stanford": stanford,
     "puma560": puma560,

@@ -146,7 +146,70 @@ def acrobot(
         Magazine 15(1): equations and figures
     """
     rods = [(m1, l1, lc1, I1), (m2, l2, lc2, I2)]
-    return _planar("acrobot", rods, g0, "vertical", angle_from, passive=True)
+    return _planar("acrobot", rods, g0, "vertical", angle_from, passive=1)
+
+
+@textbook
+def pendubot(
+    m1: Scalar = 1.0,
+    m2: Scalar = 1.0,
+    l1: Scalar = 1.0,
+    l2: Scalar = 1.0,
+    lc1: Scalar = 0.5,
+    lc2: Scalar = 0.5,
+    I1: Scalar = 0.1,
+    I2: Scalar = 0.1,
+    g0: Scalar = 9.81,
+    angle_from: str = "horizontal",
+) -> Robot:
+    """The planar 2R arm with a motor at the shoulder only: the elbow's effort limit is 0.
+
+    Args: as for planar_2r
+    Source: Spong & Block 1995, The Pendubot: a mechatronic system for control research and
+        education (equations). The default figures are those of planar_2r, not of a built arm.
+    """
+    rods = [(m1, l1, lc1, I1), (m2, l2, lc2, I2)]
+    return _planar("pendubot", rods, g0, "vertical", angle_from, passive=2)
+
+
+@textbook
+def inertia_wheel_pendulum(
+    m1: Scalar = 1.0,
+    m2: Scalar = 1.0,
+    l1: Scalar = 1.0,
+    lc1: Scalar = 0.5,
+    I1: Scalar = 0.1,
+    I2: Scalar = 0.2,
+    g0: Scalar = 9.81,
+    angle_from: str = "up",
+) -> Robot:
+    """A pendulum without a motor (its effort limit is 0), and at its end a balanced wheel with one.
+
+    M = [[m1 lc1² + m2 l1² + I1 + I2, I2], [I2, I2]] is the same everywhere, C = 0. 'up': q1 = 0
+    stands, P = (m1 lc1 + m2 l1) g0 cos q1; 'down': q1 = 0 hangs. q2 is the wheel's angle relative
+    to the pendulum; both grow counterclockwise.
+
+    Args:
+        m1, m2: masses of pendulum and wheel [kg]
+        l1: distance of the wheel's axle from the pivot [m]
+        lc1: distance of the pendulum's centre of mass from the pivot [m]
+        I1, I2: inertias about the centres of mass [kg·m²]
+        g0: gravity [m/s²]
+        angle_from: 'up' or 'down'
+    Source: Spong, Corke & Lozano 2001, Nonlinear control of the reaction wheel pendulum,
+        Automatica 37 (equations). The default figures are round ones of ours.
+    """
+    _one_of("angle_from", angle_from, ("up", "down"))
+    m1, m2, l1, lc1, I1, I2, g0 = numbers(m1=m1, m2=m2, l1=l1, lc1=lc1, I1=I1, I2=I2, g0=g0)
+    pivot = Pose.about("z", UPRIGHT if angle_from == "up" else HANGING)
+    disc = Inertia(m2, about_com=(I2 / 2, 0.0, 0.0, I2 / 2, 0.0, I2))
+    links = Link("base"), Link("pendulum", _rod(m1, lc1, I1)), Link("wheel", disc)
+    joints = (
+        Joint("pivot", "revolute", "base", "pendulum", pose=pivot, effort=0.0),
+        Joint("axle", "revolute", "pendulum", "wheel", pose=Pose.at(x=l1)),
+    )
+    tip = Frame("tip", "pendulum", Pose.at(x=l1))
+    return described("inertia_wheel_pendulum", links, joints, (tip,), (0.0, -g0, 0.0))
 
 
 @textbook
@@ -195,9 +258,12 @@ def _planar(
     plane: str,
     angle_from: str,
     pivot: Pose | None = None,
-    passive: bool = False,
+    passive: int | None = None,
 ) -> Robot:
-    """A chain of rods (m, l, lc, I), each along its x, turning about z."""
+    """A chain of rods (m, l, lc, I), each along its x, turning about z.
+
+    passive: the joint that has no motor
+    """
     _one_of("plane", plane, ("vertical", "horizontal"))
     _one_of("angle_from", angle_from, ("horizontal", "down"))
     (g0,) = numbers(g0=g0)
@@ -207,7 +273,7 @@ def _planar(
     for k, (m, l, lc, I) in enumerate(rods, 1):
         m, l, lc, I = numbers(k, m=m, l=l, lc=lc, I=I)
         links.append(Link(f"link{k}", _rod(m, lc, I)))
-        effort = 0.0 if passive and k == 1 else math.inf
+        effort = 0.0 if k == passive else math.inf
         parent = links[k - 1].name
         joints.append(Joint(f"joint{k}", "revolute", parent, f"link{k}", pose=pose, effort=effort))
         pose = Pose.at(x=l)

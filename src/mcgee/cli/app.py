@@ -17,6 +17,7 @@ from mcgee.cli import bench as bench_view
 from mcgee.cli import codegen as codegen_view
 from mcgee.cli import derive as derive_view
 from mcgee.cli import explain as explain_view
+from mcgee.cli import simulate as simulate_view
 from mcgee.cli import terms as terms_view
 from mcgee.cli.state import read_state
 
@@ -209,6 +210,42 @@ def codegen(
             target, functions, params=params, single=single, frame=frame, force=force, verify=verify
         )
         raise typer.Exit(codegen_view.run(mcgee.load(robot), wanted, folder, json))
+
+
+@app.command(
+    no_args_is_help=True,
+    epilog="Example:  mcgee simulate panda --controller computed-torque "
+    "--target panda_joint4=-1.5 --duration 3 --html run.html",
+)
+def simulate(
+    robot: RobotArgument,
+    duration: simulate_view.DurationOption,
+    q: PositionOption = "",
+    qd: VelocityOption = "",
+    controller: simulate_view.ControllerOption = "none",
+    target: simulate_view.TargetOption = "",
+    rise: simulate_view.RiseOption = None,
+    bandwidth: simulate_view.BandwidthOption = 10.0,
+    method: simulate_view.MethodOption = "DOP853",
+    step: simulate_view.StepOption = None,
+    dt: simulate_view.DtOption = 1e-3,
+    friction: simulate_view.FrictionOption = False,
+    stops: simulate_view.StopsOption = False,
+    limits: simulate_view.LimitsOption = False,
+    html: simulate_view.HtmlOption = None,
+    output: simulate_view.OutputOption = None,
+    degrees: DegreesOption = False,
+    json: JsonOption = False,
+) -> None:
+    """Let an arm move, free or under control, and account for its energy."""
+    with reported():
+        arm = mcgee.load(robot)
+        settings = {"method": method, "step": step, "dt": dt, "friction": friction}
+        settings |= {"stops": stops, "effort_limits": limits, "progress": sys.stderr.isatty()}
+        start = read_state(arm, q, qd, degrees=degrees)
+        goal = read_state(arm, target, "", degrees=degrees).q if target else None
+        wanted = simulate_view.Wanted(duration, controller, goal, rise, bandwidth, settings)
+        raise typer.Exit(simulate_view.run(arm, start, wanted, (html, output), json))
 
 
 @app.command(no_args_is_help=True, epilog="Example:  mcgee bench ur5e --counts")

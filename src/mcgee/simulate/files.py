@@ -57,18 +57,26 @@ def dataframe(trajectory: Trajectory) -> pandas.DataFrame:
 
 
 def save(trajectory: Trajectory, path: Path) -> Path:
+    make = maker(path)
+    return write_whole(path, "the trajectory", lambda: make(trajectory))
+
+
+def maker(path: Path) -> Callable[[Trajectory], bytes]:
+    """What makes the file's content.
+
+    Raises: ValueError: its name has another ending
+    """
     makers: dict[str, Callable[[Trajectory], bytes]] = {
         ".npz": _npz,
         ".csv": _csv,
         ".parquet": _parquet,
     }
-    make = makers.get(path.suffix)
-    if make is None:
+    if path.suffix not in makers:
         raise ValueError(
             f"cannot write a trajectory to '{path}': its name ends in '{path.suffix}', expected "
             f"one of: {', '.join(makers)}."
         )
-    return write_whole(path, "the trajectory", lambda: make(trajectory))
+    return makers[path.suffix]
 
 
 def _npz(trajectory: Trajectory) -> bytes:

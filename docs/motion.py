@@ -1,6 +1,6 @@
-"""Writes the tables of docs/simulate.md: what the integrators lose over a long free motion.
+"""Writes the tables and the figure of docs/simulate.md: what integrators lose in free motion.
 
-python docs/motion.py
+python docs/motion.py  (with matplotlib)
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+from curves import panels, save
 
 import mcgee
 
@@ -70,11 +71,38 @@ def theorem() -> str:
     return rows
 
 
+def exchange() -> None:
+    """Draws what a planar 2R arm's kinetic energy is made of while nothing works on it."""
+    arm = mcgee.arms.planar_2r(g0=0)
+    run = mcgee.simulate(arm, [0.0, 2.6], [0.3, 3.0], 8.0, rtol=1e-12, atol=1e-12)
+    M, (v1, v2) = arm.mass_matrix(run.q), run.qd.T
+    figure, (energies, inertia) = panels(
+        ["Without gravity the kinetic energy stays [J] …", "… and the inertia changes [kg·m²]"], 5
+    )
+    shares = {
+        "½ M11 qd1²": M[:, 0, 0] * v1**2 / 2,
+        "M12 qd1 qd2": M[:, 0, 1] * v1 * v2,
+        "½ M22 qd2²": M[:, 1, 1] * v2**2 / 2,
+    }
+    for name, share in shares.items():
+        energies.plot(run.t, share, label=name)
+    energies.plot(run.t, run.kinetic, "k", lw=2, label="T, their sum")
+    inertia.plot(run.t, M[:, 0, 0], label="M11")
+    inertia.plot(run.t, M[:, 0, 1], label="M12")
+    inertia.plot(run.t, M[:, 1, 1], label="M22")
+    inertia.set_xlabel("t [s]")
+    for ax in (energies, inertia):
+        ax.legend(loc="upper right", ncols=4)
+        ax.set_ylim(top=ax.get_ylim()[1] * 1.2)
+    save(figure, "theorem")
+
+
 DRIFT = "| drift over 100 s, at the end (largest) | planar_2r | puma560 | panda |\n"
 THEOREM = "| 20 s | T off by | joint 1 feels [kg·m²] | momentum off by |\n"
 TABLES = {f"{head}|---|--:|--:|--:|\n": make for head, make in ((DRIFT, drift), (THEOREM, theorem))}
 
 if __name__ == "__main__":
+    exchange()
     text = PAGE.read_text()
     for head, table in TABLES.items():
         assert head in text

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
+import os
+import pty
+import subprocess
+import sys
 from importlib import resources
 
 import numpy as np
@@ -12,6 +17,8 @@ from scipy.special import ellipj, ellipk
 import mcgee
 from mcgee.control.controller import Controller
 from mcgee.simulate import Friction, SimulationError, Stops, simulate
+from mcgee.simulate.flow import Flow
+from mcgee.simulate.plant import Plant
 from robots import built_in, random_tree
 
 METHODS = ["DOP853", "RK45", "Radau", "rk4", "midpoint"]
@@ -111,6 +118,28 @@ def test_momentum_about_a_vertical_axis_is_kept(method):
     size = abs(arm.mass_matrix(q) @ qd).max()
     bound = 1e-12 if method == "midpoint" else 1e-8
     assert abs(momentum - momentum[0]).max() < bound * max(size, 1)
+
+
+def test_jacobians_of_the_motion(rng):
+    """Nothing depends on the books, nor on an angle about the vertical."""
+    arm = built_in("puma560")
+    flow = Flow(Plant(arm), None, 0)
+    q, qd = rng.normal(size=(2, 6))
+    got = flow.jacobian(0.0, flow.begin(q, qd, np.zeros(0)))
+    by_q, by_qd, _ = arm.forward_dynamics_derivatives(q, qd, np.zeros(6))
+    want = np.zeros_like(got)
+    want[:6, 6:12] = np.eye(6)
+    want[6:12, :6], want[6:12, 6:12] = by_q, by_qd
+    assert got == pytest.approx(want, abs=1e-6 * abs(want).max())
+    assert not want[:, 12:].any()
+
+
+@pytest.mark.parametrize("method", ["Radau", "BDF"])
+def test_implicit_methods_go_on_where_nothing_depends_on_a_coordinate(method):
+    arm, q, qd = start("puma560")
+    found = simulate(arm, q, 0 * qd, 20.0, method=method, step=0.5, rtol=1e-7, atol=1e-8)
+    assert found.complete
+    assert abs(found.residual).max() < 1e-4 * found.kinetic.max()
 
 
 def test_midpoint_has_a_bounded_error():
@@ -348,6 +377,22 @@ def test_nan_of_a_controller_keeps_what_there_is(method):
     assert np.isfinite(kept.q).all()
 
 
+def test_what_a_controller_raises_keeps_what_there_is():
+    arm = built_in("planar_2r")
+
+    def law(t, q, qd):
+        if t > 0.5:
+            raise LookupError("no sensor")
+        return np.zeros(2)
+
+    with pytest.raises(SimulationError, match=r"LookupError after t = 0.5 s: no sensor") as caught:
+        simulate(arm, [0, 0], [0, 0], 1.0, law, method="rk4", step=0.1)
+    assert isinstance(caught.value.__cause__, LookupError)
+    assert caught.value.trajectory.t[-1] == 0.5
+    with pytest.raises(LookupError):
+        simulate(arm, [0, 0], [0, 0], 1.0, lambda t, q, qd: {}["tau"])
+
+
 def test_an_arm_that_nothing_moves_is_refused():
     import warnings
 
@@ -378,5 +423,24 @@ def test_interruptions_keep_what_there_is(method):
 def test_progress_is_shown_on_request(capfd):
     simulate(built_in("planar_2r"), [0, 0], [0, 0], 0.1, progress=True)
     assert "simulating" in capfd.readouterr().err
-    simulate(built_in("planar_2r"), [0, 0], [0, 0], 0.1)
-    assert capfd.readouterr().err == ""
+
+
+@pytest.mark.parametrize(
+    ("more", "patience", "shown"), [("", 0, True), ("progress=False", 0, False), ("", 60, False)]
+)
+def test_progress_of_long_runs_is_shown_on_terminals(more, patience, shown):
+    program = (
+        "import mcgee, sys\n"
+        f"sys.modules['mcgee.simulate.progress'].PATIENCE = {patience}\n"
+        f"mcgee.simulate(mcgee.load('planar_2r'), [0, 0], [0, 0], 0.1, {more})\n"
+    )
+    ours, its = pty.openpty()
+    subprocess.run([sys.executable, "-c", program], stderr=its, env=os.environ | {"TERM": "xterm"})
+    os.close(its)
+    said = b""
+    with contextlib.suppress(OSError):  # the other end is closed
+        while more := os.read(ours, 4096):
+            said += more
+    os.close(ours)
+    assert (b"simulating" in said) is shown, said
+    assert shown or not said

@@ -13,6 +13,9 @@ from mcgee.simulate.plant import Efforts, Plant
 BOOKS = ("work", "dissipated", "stopped", "disturbed")
 """Energies that are integrated with the motion, joint by joint."""
 
+DIFFERENCE = 2.0**-26
+"""Of a coordinate for a Jacobian: the root of the rounding unit."""
+
 
 @dataclass
 class Flow:
@@ -61,6 +64,19 @@ class Flow:
         qdd = self.plant.robot.forward_dynamics(q, qd, e.total)
         powers = (e.applied * qd, e.friction * qd, e.stops * qd, e.disturbance * qd)
         return np.concatenate([qd, qdd, self.controller_slope(t, q, qd, z), *powers], axis=-1)
+
+    def jacobian(self, t: float, y: Array) -> Array:
+        """∂(dy/dt)/∂y of one state, by differences; nothing depends on the books.
+
+        SciPy's own differences grow without end in what nothing depends on.
+        """
+        now = self(t, y)
+        found = np.zeros((len(y), len(y)))
+        for k in range(2 * self.n + self.states):
+            beside = y.copy()
+            beside[k] += DIFFERENCE * max(1.0, abs(y[k]))
+            found[:, k] = (self(t, beside) - now) / (beside[k] - y[k])
+        return found
 
     def controller_slope(self, t: float, q: Array, qd: Array, z: Array) -> Array:
         if self.held is not None:

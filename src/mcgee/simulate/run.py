@@ -48,7 +48,7 @@ def simulate(
     stops: Stops | bool | None = None,
     effort_limits: bool = False,
     disturbance: Disturbance | None = None,
-    progress: bool = False,
+    progress: bool | None = None,
 ) -> Trajectory:
     """The motion of an arm from a state on, free or controlled, with the ledger of its energy.
 
@@ -67,11 +67,12 @@ def simulate(
         stops: Stops() beyond the joints' limits, or True for them; none by default
         effort_limits: actuators give no more than the description's effort
         disturbance: efforts f(t, q, qd) -> (..., n) besides the controller's
-        progress: show how far it is on a terminal
+        progress: whether to show how far it is; None: on a terminal, when it takes long
     Returns: a Trajectory; after Ctrl-C what there is of it, its status 'interrupted'
     Raises:
         ValueError: wrong shapes, numbers that are not finite, unknown names
-        SimulationError: the motion runs away or has no next state; its .trajectory is kept
+        SimulationError: the motion runs away or has no next state, or a controller raises later
+            than at the start; its .trajectory is kept
         ModuleNotFoundError: SciPy is not installed (mcgee[sim])
     """
     refuse_symbols(robot, "simulations")
@@ -91,7 +92,7 @@ def simulate(
             break
     whole = _together(runs, q.shape[:-1]) if many else runs[0].trajectory(failed)
     if failed:
-        raise SimulationError(f"robot '{robot.name}': {failed}", whole)
+        raise SimulationError(f"robot '{robot.name}': {failed}", whole) from runs[-1].cause
     return whole
 
 
@@ -162,7 +163,13 @@ class _Run:
     """One march through time."""
 
     def __init__(
-        self, plant: Plant, law: Controller | None, q: Array, qd: Array, times: Array, show: bool
+        self,
+        plant: Plant,
+        law: Controller | None,
+        q: Array,
+        qd: Array,
+        times: Array,
+        show: bool | None,
     ):
         z = law.start(q, qd) if law is not None else np.zeros((*q.shape[:-1], 0))
         self.flow = Flow(plant, law, z.shape[-1])
@@ -170,6 +177,7 @@ class _Run:
         self.states = [self.flow.begin(q, qd, np.asarray(z, float))]
         self.held: list[Any] = []
         self.interrupted = False
+        self.cause: Exception | None = None
 
     def march(self, method: str, dt: float, rtol: float, atol: float) -> str:
         """Until the end, or what stops it; why, or nothing."""
@@ -191,6 +199,12 @@ class _Run:
             self.interrupted = True
         except StepError as error:
             return str(error)
+        except Exception as error:  # a controller's or a disturbance's own
+            if len(self.states) == 1:
+                raise
+            self.cause = error
+            after = self.times[len(self.states) - 1]
+            return f"{type(error).__name__} after t = {after:.6g} s: {error}"
         return ""
 
     def trajectory(self, failed: str = "") -> Trajectory:

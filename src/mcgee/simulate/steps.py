@@ -19,6 +19,7 @@ ADAPTIVE = ("DOP853", "RK45", "RK23", "Radau", "BDF", "LSODA")
 FIXED = ("rk4", "midpoint")
 METHODS = (*ADAPTIVE, *FIXED)
 EXPLICIT = ("DOP853", "RK45", "RK23")
+WITH_JACOBIAN = ("Radau", "BDF")
 
 FASTEST = 1e4
 """Joint speeds that no arm has [rad/s | m/s]."""
@@ -44,11 +45,12 @@ def adaptive(
     from scipy import integrate
 
     first = None
+    more = {"jac": flow.jacobian} if method in WITH_JACOBIAN else {}
     samples = _samples(flow, times)
     for t0, t1, inside in samples:
         flow.sample(t0, y)
         solver: Any = getattr(integrate, method)(
-            flow, t0, y, t1, rtol=rtol, atol=atol, first_step=first
+            flow, t0, y, t1, rtol=rtol, atol=atol, first_step=first, **more
         )
         march = _onto if method in EXPLICIT else _across
         yield from march(solver, flow, list(inside), t1)

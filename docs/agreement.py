@@ -5,7 +5,6 @@ python docs/agreement.py
 
 from __future__ import annotations
 
-import re
 import sys
 import tempfile
 import warnings
@@ -16,6 +15,7 @@ from mcgee.codegen import LANGUAGES
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
 import models
+from tables import fill
 
 PAGE = Path(__file__).parent / "codegen.md"
 ROBOTS = {"planar 2R": "planar_2r", "PUMA 560": "puma560", "UR5": "ur5", "Panda": "panda"}
@@ -53,6 +53,4 @@ def table() -> str:
 
 
 if __name__ == "__main__":
-    text = PAGE.read_text()
-    old = re.compile(re.escape(HEAD) + r"(.+\n)+")
-    PAGE.write_text(old.sub(lambda _: HEAD + table(), text))
+    fill(PAGE, HEAD, table())

@@ -36,11 +36,14 @@ LOOK = {
 }
 
 
-def panels(titles: Sequence[str], height: float, across: int = 1) -> tuple[Any, list[Any]]:
-    """A figure with a panel for each title, one below the other or some beside another."""
+def panels(
+    titles: Sequence[str], height: float, shares: Sequence[float] | None = None
+) -> tuple[Any, list[Any]]:
+    """A figure with a panel for each title, one below the other, of these shares of its height."""
     mpl.rcParams.update(LOOK)
-    down = -(-len(titles) // across)
-    figure, axes = plt.subplots(down, across, figsize=(8, height), squeeze=False)
+    figure, axes = plt.subplots(
+        len(titles), figsize=(8, height), squeeze=False, height_ratios=shares
+    )
     for ax, title in zip(axes.flat, titles, strict=True):
         ax.set_title(title)
     return figure, list(axes.flat)

@@ -5,12 +5,12 @@ python docs/motion.py  (with matplotlib)
 
 from __future__ import annotations
 
-import re
 import time
 from pathlib import Path
 
 import numpy as np
 from curves import panels, save
+from tables import fill
 
 import mcgee
 
@@ -103,10 +103,5 @@ TABLES = {f"{head}|---|--:|--:|--:|\n": make for head, make in ((DRIFT, drift), 
 
 if __name__ == "__main__":
     exchange()
-    text = PAGE.read_text()
     for head, table in TABLES.items():
-        assert head in text
-        old = re.compile(re.escape(head) + r"(\|.+\n)+")
-        made = head + table()
-        text = old.sub(lambda _, made=made: made, text)
-        PAGE.write_text(text)
+        fill(PAGE, head, table())

@@ -12,6 +12,7 @@ from mcgee.control import (
     Fourier,
     PDGravity,
     SlotineLi,
+    excitation_gains,
     parameter_scales,
 )
 from mcgee.control.regressor import Unknowns
@@ -194,6 +195,39 @@ def test_estimates_converge_where_the_motion_tells_them_apart(rng):
     prediction = abs(found.log["prediction"])
     assert prediction[-50:].max() < 0.01 * prediction[:50].max()
     assert abs(found.log["error"][-50:]).max() < 5e-4
+
+
+@pytest.mark.parametrize(("friction", "left"), [(False, 5e-4), (True, 5e-3)])
+def test_excitation_gains_learn_all_that_a_motion_shows(friction, left, rng):
+    """And the error dies out with it."""
+    arm, p = rubbing(TWO) if friction else (TWO, TWO.inertial_parameters)
+    learnt = {"friction": friction, "friction_speed": 0.1}
+    light, times = heavier(TWO, 0.8), np.linspace(1, 5, 200, endpoint=False)
+    gains = excitation_gains(light, RICH, times, 20.0, 1.0, **learnt)
+    law = AdaptiveSlotineLi(light, RICH, 5.0, 20.0, gains, **learnt, true_parameters=p)
+    rubs = Friction(speed=0.1) if friction else None
+    found = simulate(arm, RICH.mean, [0, 0], 20.0, law, friction=rubs, rtol=1e-8, atol=1e-11)
+    assert (np.diff(found.log["V"]) < 1e-9 * found.log["V"][0]).all()
+    early, late = (found.t > 1) & (found.t < 3), found.t > 18
+    for name in ("error", "prediction"):
+        size = abs(found.log[name])
+        assert size[late].max() < left * size[early].max(), name
+    seen = law.unknowns.regressor(*rng.normal(size=(3, 50, 2))).reshape(-1, len(p))
+    dp = found.log["estimates"] - p
+    assert np.linalg.norm(seen @ dp[-1]) < 4 * left * np.linalg.norm(seen @ dp[0])
+
+
+def test_excitation_gains_are_what_they_say():
+    gains = excitation_gains(TWO, RICH, np.linspace(1, 5, 50), 3.0, 0.5, False, least=1e-6)
+    Y, scales = TWO.regressor(*RICH(np.linspace(1, 5, 50))), parameter_scales(TWO, False)
+    mean = sum(y.T @ y for y in Y) / 50 / 3
+    scaled = mean * scales * scales[:, None]
+    rest = 1e-6 * np.linalg.eigvalsh(scaled)[-1] * np.diag(1 / scales**2)
+    assert gains @ (mean + rest) == pytest.approx(0.5 * np.eye(len(mean)), abs=1e-6)
+    law = AdaptiveSlotineLi(TWO, RICH, 5.0, 3.0, gains, False)
+    diagonal = AdaptiveSlotineLi(TWO, RICH, 5.0, 3.0, np.diag(gains), False)
+    assert law.gains == pytest.approx(gains)
+    assert diagonal.gains == pytest.approx(np.diag(np.diag(gains)))
 
 
 def test_friction_is_learnt_with_the_masses():

@@ -22,6 +22,7 @@ from mcgee.control import (
     Reference,
     SlotineLi,
     Wall,
+    excitation_gains,
     swing_up,
 )
 from mcgee.simulate import simulate
@@ -96,6 +97,26 @@ def posed(rotation):
         (
             lambda: AdaptiveSlotineLi(TWO, [0, 0], 1, 1, 0.0),
             "gains of parameter 'm of link1' is 0, expected more than 0",
+        ),
+        (
+            lambda: AdaptiveSlotineLi(TWO, [0, 0], 1, 1, np.ones((24, 20))),
+            r"gains has shape \(24, 20\), expected a number, \(24,\) or \(24, 24\) for robot",
+        ),
+        (
+            lambda: AdaptiveSlotineLi(TWO, [0, 0], 1, 1, np.ones((24, 24))),
+            "gains is a matrix with an eigenvalue .*, expected one symmetric, positive definite",
+        ),
+        (
+            lambda: AdaptiveSlotineLi(TWO, [0, 0], 1, 1, np.triu(np.ones((24, 24)))),
+            "gains is a matrix not symmetric, or not finite",
+        ),
+        (
+            lambda: excitation_gains(TWO, Constant([0, 0]), [0.0], 1, 0.0),
+            "rate is 0.0, expected a number above 0 1/s",
+        ),
+        (
+            lambda: excitation_gains(TWO, Constant([0, 0, 0]), [0.0], 1, 1.0),
+            r"reference has shape \(1, 3\)",
         ),
         (
             lambda: AdaptiveSlotineLi(TWO, [0, 0], 1, 1, 1.0, true_parameters=np.ones(20)),

@@ -16,7 +16,7 @@ from mcgee.control.lqr import LQR
 from mcgee.control.operational_space import OperationalSpace
 from mcgee.control.pd_gravity import PDGravity
 from mcgee.control.references import Constant, Fourier, Quintic, Reference, Trapezoidal
-from mcgee.control.regressor import parameter_scales
+from mcgee.control.regressor import excitation_gains, parameter_scales
 from mcgee.control.slotine_li import SlotineLi
 from mcgee.control.swing_up import EnergySwingUp, swing_up, upright_since
 from mcgee.control.wall import Wall
@@ -42,6 +42,7 @@ __all__ = [
     "SlotineLi",
     "Trapezoidal",
     "Wall",
+    "excitation_gains",
     "parameter_scales",
     "swing_up",
     "upright_since",

@@ -8,7 +8,7 @@ import numpy as np
 
 from mcgee.control.controller import Array, Controller
 from mcgee.control.following import joint_reference
-from mcgee.control.gains import gain, joint_gain, sampling
+from mcgee.control.gains import gain_matrix, joint_gain, sampling
 from mcgee.control.linear import dot, quadratic, times, turned
 from mcgee.control.regressor import Unknowns
 from mcgee.control.sliding import Sliding, sliding
@@ -28,7 +28,8 @@ class AdaptiveSlotineLi(Controller):
         reference: t -> (q, qd, qdd), or a position (..., n) to hold
         lam: of each joint or of all [1/s]
         kd: [N·m·s/rad | N·s/m]
-        gains: of each parameter or of all, above 0 [parameter² / J]
+        gains: of each parameter or of all, above 0, or a positive definite matrix (m, m), such as
+            `excitation_gains` finds for a motion [parameter² / J]
         friction: whether viscous and Coulomb coefficients are estimated too, from 0 on
         friction_speed: of the regularised Coulomb friction [rad/s | m/s]
         true_parameters: p (..., m), for the log alone
@@ -57,7 +58,8 @@ class AdaptiveSlotineLi(Controller):
         self.lam, self.kd = joint_gain(robot, "lam", lam), joint_gain(robot, "kd", kd)
         self.unknowns = Unknowns(robot, friction, friction_speed)
         of = f"robot '{robot.name}'"
-        self.gains = gain(of, "gains", gains, self.unknowns.names, "parameter", positive=True)
+        self.gains = gain_matrix(of, "gains", gains, self.unknowns.names, "parameter")
+        self.weights = np.linalg.inv(self.gains)
         self.truth = (
             None
             if true_parameters is None
@@ -75,7 +77,7 @@ class AdaptiveSlotineLi(Controller):
 
     def slope(self, t: float, q: Array, qd: Array, z: Array) -> Array:
         x, Y = self._now(t, q, qd)
-        return self.gains * times(turned(Y), x.s)
+        return times(self.gains, times(turned(Y), x.s))
 
     def log(self, t: float, q: Array, qd: Array, z: Array) -> dict[str, Array]:
         x, Y = self._now(t, q, qd)
@@ -85,7 +87,7 @@ class AdaptiveSlotineLi(Controller):
         dp = z - self.truth
         inertial = self.truth[..., : self.unknowns.inertial]
         M = self.unknowns.of_parameters.mass_matrix(q, inertial)
-        V = (quadratic(x.s, M) + dot(dp, dp / self.gains)) / 2
+        V = (quadratic(x.s, M) + dot(dp, times(self.weights, dp))) / 2
         return found | {"prediction": times(Y, dp), "V": V, "Vdot": -dot(x.s, self.kd * x.s)}
 
     def _now(self, t: float, q: Array, qd: Array) -> tuple[Sliding, Array]:

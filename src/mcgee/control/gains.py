@@ -44,6 +44,27 @@ def gain(
     return found
 
 
+def gain_matrix(owner: str, name: str, given: Any, labels: Sequence[str], kind: str) -> Array:
+    """A symmetric, positive definite matrix, from one, from its diagonal or from a number.
+
+    Raises: ValueError: another shape, or not so
+    """
+    matrix = numbers(name, given)
+    if matrix.ndim < 2:
+        return np.diag(gain(owner, name, matrix, labels, kind, positive=True))
+    size = (len(labels), len(labels))
+    if matrix.shape != size:
+        raise ValueError(
+            f"{name} has shape {matrix.shape}, expected a number, {size[:1]} or {size} for {owner}."
+        )
+    is_even = np.isfinite(matrix).all() and np.allclose(matrix, matrix.T, rtol=1e-9, atol=0)
+    least = np.linalg.eigvalsh(matrix).min() if is_even else np.nan
+    if not least > 0:
+        what = f"with an eigenvalue {least:g}" if is_even else "not symmetric, or not finite"
+        raise ValueError(f"{name} is a matrix {what}, expected one symmetric, positive definite.")
+    return matrix
+
+
 def number(name: str, given: Any) -> float:
     """
     Raises: ValueError: not one finite number

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from mcgee.control.controller import Array
-from mcgee.control.gains import numbers, positive
+from mcgee.control.gains import joint_gain, joint_vector, numbers, positive
 from mcgee.robot import Robot
 
 TEN = ("m", "m cx", "m cy", "m cz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")
@@ -114,3 +115,43 @@ def parameter_scales(robot: Robot, friction: bool = True) -> Array:
     Returns: (10 bodies + 2 n,), or (10 bodies,) without friction
     """
     return Unknowns(robot, friction, 1.0).scales.copy()
+
+
+def excitation_gains(
+    robot: Robot,
+    reference: Callable[[Any], Any],
+    times: Any,
+    kd: Any,
+    rate: float,
+    friction: bool = True,
+    *,
+    least: float = 1e-8,
+    friction_speed: float = 0.01,
+) -> Array:
+    """Gains under which AdaptiveSlotineLi learns all that a motion shows at one rate.
+
+    rate · (mean of Yᵀ kd⁻¹ Y + rest)⁻¹ over the reference: where errors are small, kd s = Y dp and
+    so the mean of dp in time decays by e in 1/rate seconds. What shows less than `least` of what
+    shows most is held back by the rest, in units of `parameter_scales`.
+
+    Args:
+        reference: t -> (q, qd, qdd), of arrays of times too
+        times: at which it is looked at (k,), evenly over one period or the whole motion [s]
+        kd: the law's [N·m·s/rad | N·s/m]
+        rate: [1/s]; below the law's lam
+        friction, friction_speed: as the law has them
+        least: share
+    Returns: (m, m) [parameter² / J]
+    Raises: ValueError: wrong shapes, no positive numbers
+    """
+    known = Unknowns(robot, friction, friction_speed)
+    stiff = joint_gain(robot, "kd", kd, positive=True)
+    found = [np.asarray(x, float) for x in reference(numbers("times", times))]
+    q, qd, qdd = (joint_vector(robot, "reference", x) for x in found)
+    shown = known.regressor(q, qd, qdd) * known.scales / np.sqrt(stiff)[:, None]
+    rows = shown.reshape(-1, len(known.scales))
+    mean = rows.T @ rows / max(1, shown[..., 0, 0].size)
+    rest = positive("least", least, "") * float(np.linalg.eigvalsh(mean).max())
+    even = np.linalg.inv(mean + rest * np.eye(len(mean)))
+    matrix = known.scales[:, None] * even * known.scales
+    return np.asarray(positive("rate", rate, "1/s") * (matrix + matrix.T) / 2)

@@ -8,7 +8,9 @@ from __future__ import annotations
 import time
 from pathlib import Path
 
+import mujoco
 import numpy as np
+import pinocchio
 from curves import panels, save
 from tables import fill
 
@@ -24,6 +26,7 @@ METHODS: dict[str, dict[str, float]] = {
     "midpoint": {"dt": 1e-3},
 }
 DURATION = 100.0
+PANDA = Path(mcgee.__file__).parent / "robots" / "panda.urdf"
 
 
 def start(name: str) -> tuple[mcgee.Robot, np.ndarray]:
@@ -97,9 +100,74 @@ def exchange() -> None:
     save(figure, "theorem")
 
 
+TIMES = (0.5, 1.0, 1.5, 2.0, 3.0)
+STEP, STEPS = 1e-3, 500
+"""Seconds a step, and steps from one time to the next that may be looked at."""
+AT = [round(t / STEP / STEPS) for t in TIMES]
+
+
+def others() -> str:
+    """How far off the motions of Pinocchio and MuJoCo are, and one of a nudged arm."""
+    arm, q = start("panda")
+    motions = {
+        "Pinocchio's `aba`": pinocchio_motion(q),
+        "MuJoCo's RK4": mujoco_motion(q),
+        "mcgee, q1 and q2 nudged by 1e-15": ours(arm, q + 1e-15 * (np.arange(7) < 2)),
+    }
+    here, rows = ours(arm, q), ""
+    for name, there in motions.items():
+        cells = [f"{abs(here[k] - there[k]).max():.0e}" for k in AT]
+        rows += f"| {name} | {' | '.join(cells)} |\n"
+        print(rows.splitlines()[-1], flush=True)
+    return rows
+
+
+def ours(arm: mcgee.Robot, q: np.ndarray) -> np.ndarray:
+    """q at every half second."""
+    return mcgee.simulate(arm, q, 0 * q, TIMES[-1], method="rk4", dt=STEP, step=STEP * STEPS).q
+
+
+def pinocchio_motion(q: np.ndarray) -> np.ndarray:
+    model = pinocchio.buildModelFromUrdf(str(PANDA))
+    data, tau, found = model.createData(), np.zeros(7), [q]
+
+    def slope(x: np.ndarray) -> np.ndarray:
+        return np.concatenate([x[7:], pinocchio.aba(model, data, x[:7], x[7:], tau)])
+
+    x, h = np.concatenate([q, 0 * q]), STEP
+    for k in range(AT[-1] * STEPS):
+        k1 = slope(x)
+        k2 = slope(x + h / 2 * k1)
+        k3 = slope(x + h / 2 * k2)
+        k4 = slope(x + h * k3)
+        x = x + h / 6 * (k1 + 2 * (k2 + k3) + k4)
+        if (k + 1) % STEPS == 0:
+            found.append(x[:7])
+    return np.array(found)
+
+
+def mujoco_motion(q: np.ndarray) -> np.ndarray:
+    model = mujoco.MjModel.from_xml_string(PANDA.read_text())
+    model.opt.timestep, model.opt.integrator = STEP, mujoco.mjtIntegrator.mjINT_RK4
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_LIMIT
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT
+    model.dof_damping[:] = model.dof_frictionloss[:] = 0
+    data, found = mujoco.MjData(model), [q]
+    data.qpos[:] = q
+    for _ in range(AT[-1]):
+        for _ in range(STEPS):
+            mujoco.mj_step(model, data)
+        found.append(data.qpos.copy())
+    return np.array(found)
+
+
 DRIFT = "| drift over 100 s, at the end (largest) | planar_2r | puma560 | panda |\n"
 THEOREM = "| 20 s | T off by | joint 1 feels [kg·m²] | momentum off by |\n"
-TABLES = {f"{head}|---|--:|--:|--:|\n": make for head, make in ((DRIFT, drift), (THEOREM, theorem))}
+OTHERS = f"| largest difference of q after … s | {' | '.join(f'{t:g}' for t in TIMES)} |\n"
+TABLES = {
+    f"{head}|---{'|--:' * columns}|\n": make
+    for head, columns, make in ((DRIFT, 3, drift), (THEOREM, 3, theorem), (OTHERS, 5, others))
+}
 
 if __name__ == "__main__":
     exchange()

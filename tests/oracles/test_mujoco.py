@@ -3,13 +3,12 @@
 from dataclasses import replace
 from importlib import resources
 
+import mujoco
 import numpy as np
 import pytest
 
 from mcgee.model import Pose
 from robots import apart, built_in, random_state, random_tree
-
-mujoco = pytest.importorskip("mujoco")
 
 ROUNDING = 1e-14
 """Of the largest element of M; bias: of that and the weight. MuJoCo keeps principal moments and

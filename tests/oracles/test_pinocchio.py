@@ -4,13 +4,11 @@ import re
 from math import pi
 
 import numpy as np
+import pinocchio as pin
 import pytest
+from pinocchio_model import from_description, from_urdf
 
 from robots import apart, interpreted, loaded, random_state, random_tree, urdf
-
-pin = pytest.importorskip("pinocchio")
-
-from pinocchio_model import from_description, from_urdf  # noqa: E402
 
 ROUNDING = 2e-14
 """Of the largest element: two algorithms, a few hundred roundings of 1e-16 each."""

@@ -359,7 +359,8 @@ def scales(robot, q, qd, qdd):
 
 @pytest.mark.parametrize("name", ["ur5", "random"])
 def test_compiled_kernels_against_fifty_digits(name, rng):
-    mpmath = pytest.importorskip("mpmath")
+    import mpmath
+
     robot = loaded("ur5") if name == "ur5" else random_tree(21, bodies=6, prismatic=0.4)
     errors = {}
     with mpmath.workdps(50):
@@ -395,7 +396,8 @@ def test_compiled_kernels_against_fifty_digits(name, rng):
 @pytest.mark.parametrize("name", ["ur5", "random"])
 def test_casadi(name, rng):
     """Its functions give our numbers, and its derivatives find M, C qd and g in our tau and P."""
-    ca = pytest.importorskip("casadi")
+    import casadi as ca
+
     robot = loaded("ur5") if name == "ur5" else random_tree(31, bodies=5, mimic=0.3, prismatic=0.3)
     m, n = robot.mechanism, robot.n
     q, qd, qdd = (ca.SX.sym(x, n) for x in ("q", "qd", "qdd"))
@@ -436,7 +438,8 @@ def test_casadi(name, rng):
 
 def test_planar_2r_in_sympy():
     """Exactly the published M, C qd and g, angles from the horizontal."""
-    sp = pytest.importorskip("sympy")
+    import sympy as sp
+
     names = "m1 m2 l1 lc1 lc2 I1 I2 g0"
     m1, m2, l1, lc1, lc2, I1, I2, g0 = p = sp.symbols(names, positive=True)
     q1, q2, qd1, qd2 = sp.symbols("q1 q2 qd1 qd2", real=True)

@@ -37,7 +37,8 @@ def test_csv(motion, tmp_path):
 
 
 def test_parquet_and_data_frames(motion, tmp_path):
-    pandas = pytest.importorskip("pandas")
+    import pandas
+
     motion.save(tmp_path / "run.parquet")
     read, frame = pandas.read_parquet(tmp_path / "run.parquet"), motion.to_dataframe()
     assert read.equals(frame)

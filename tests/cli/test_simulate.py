@@ -26,7 +26,7 @@ def test_free_motion(tmp_path):
     assert max(map(len, done.stdout.splitlines())) <= 80
 
 
-@pytest.mark.parametrize("law", ["pd-gravity", "computed-torque", "slotine-li"])
+@pytest.mark.parametrize("law", ["pd-gravity", "computed-torque", "slotine-li", "adaptive", "lqr"])
 def test_controlled_motion(law, tmp_path):
     words = ("--controller", law, "--target", "panda_joint4=-90,panda_joint2=20", "--degrees")
     q = "--q=panda_joint4=-70"
@@ -37,6 +37,15 @@ def test_controlled_motion(law, tmp_path):
     goal[3], goal[1] = -np.pi / 2, np.pi / 9
     assert abs(np.array(said["q"][-1]) - goal).max() < 5e-3
     assert said["status"] == "complete"
+
+
+def test_swing_up(tmp_path):
+    words = ("--q", "-90,0", "--degrees", "--controller", "swing-up", "--duration", "8")
+    fixed = ("--method", "rk4", "--dt", "0.004", "--json")
+    done = run("pendubot", *words, *fixed, cwd=tmp_path)
+    assert done.returncode == 0
+    off = np.subtract(json.loads(done.stdout)["q"][-1], [np.pi / 2, 0])
+    assert abs(np.sin(off / 2)).max() < 1e-2  # whole turns aside
 
 
 def test_files(tmp_path):
@@ -55,6 +64,8 @@ REFUSED = [
     (("--duration", "1", "--q", "1"), "--q has 1 number, expected 2"),
     (("--duration", "1", "--target", "1,1"), "--target needs a --controller"),
     (("--duration", "1", "--controller", "pid"), "--controller is 'pid', expected one of: none"),
+    (("--duration", "1", "--controller", "swing-up"), "no gains for kind 'planar_2r'"),
+    (("--duration", "1", "--controller", "swing-up", "--target", "1,1"), "takes no --target"),
     (("--duration", "1", "--controller", "pd-gravity"), "pd-gravity needs a --target"),
     (("--duration", "1", "--method", "euler"), "method is 'euler'"),
     (("--duration", "1e6", "--step", "1", "-o", "run.xls"), "ends in '.xls'"),

@@ -28,7 +28,9 @@ DurationOption = Annotated[float, typer.Option("--duration", help="Seconds.")]
 ControllerOption = Annotated[
     str,
     typer.Option(
-        "--controller", metavar="LAW", help="none, pd-gravity, computed-torque or slotine-li."
+        "--controller",
+        metavar="LAW",
+        help="none, pd-gravity, computed-torque, slotine-li, adaptive, lqr, or swing-up.",
     ),
 ]
 TargetOption = Annotated[str, typer.Option("--target", help="Where to, in the form of --q.")]
@@ -96,11 +98,31 @@ def _slotine(robot: Robot, goal: np.ndarray, reference: Any, w: float) -> Contro
     return SlotineLi(robot, reference, w, w * np.diag(robot.mass_matrix(goal)))
 
 
+def _adaptive(robot: Robot, goal: np.ndarray, reference: Any, w: float) -> Controller:
+    from mcgee.control import AdaptiveSlotineLi, parameter_scales
+
+    felt = np.diag(robot.mass_matrix(goal))
+    return AdaptiveSlotineLi(robot, reference, w, w * felt, 10 * parameter_scales(robot) ** 2)
+
+
+def _lqr(robot: Robot, goal: np.ndarray, reference: Any, w: float) -> Controller:
+    """Of a single joint: kp = w² M, kd = √3 w M."""
+    from mcgee.control import LQR
+
+    felt = np.diag(robot.mass_matrix(goal))
+    weights = np.concatenate([w * w * felt, felt])
+    return LQR(robot, goal, Q=weights, R=1 / (w * w * felt[robot.limits.effort > 0]))
+
+
 CONTROLLERS: dict[str, Callable[[Robot, np.ndarray, Any, float], Controller]] = {
     "pd-gravity": _pd,
     "computed-torque": _computed,
     "slotine-li": _slotine,
+    "adaptive": _adaptive,
+    "lqr": _lqr,
 }
+SWING_UP = "swing-up"
+"""The one that knows where to."""
 
 
 def run(
@@ -144,9 +166,15 @@ def _law(robot: Robot, q: np.ndarray, wanted: Wanted) -> Controller | None:
         if wanted.target is not None:
             raise ValueError(f"--target needs a --controller: {', '.join(CONTROLLERS)}.")
         return None
+    if wanted.controller == SWING_UP:
+        if wanted.target is not None:
+            raise ValueError(f"--controller {SWING_UP} takes no --target: it goes upright.")
+        from mcgee.control import swing_up
+
+        return swing_up(robot)
     make = CONTROLLERS.get(wanted.controller)
     if make is None:
-        known = ", ".join(("none", *CONTROLLERS))
+        known = ", ".join(("none", *CONTROLLERS, SWING_UP))
         raise ValueError(f"--controller is '{wanted.controller}', expected one of: {known}.")
     if wanted.target is None:
         raise ValueError(f"--controller {wanted.controller} needs a --target: joint positions.")

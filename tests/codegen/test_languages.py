@@ -57,10 +57,11 @@ def test_terms_are_right(target, name, params):
         assert a.kernel <= 2 * ULP
 
 
+@pytest.mark.parametrize("params", [False, True], ids=["compiled", "parametric"])
 @pytest.mark.parametrize("target", CODE)
-def test_every_shape_of_result(target):
+def test_every_shape_of_result(target, params):
     """Numbers, vectors, matrices, tensors, several at once, and functions in parts."""
-    robot = made("ur5", FUNCTIONS)
+    robot = made("ur5", FUNCTIONS, params)
     assert any(len(f.routine.parts) > 1 for f in robot.functions)
     for a in tried(target, robot).agreements:
         assert a.exact <= ULP
@@ -83,6 +84,15 @@ def test_sliding_and_coupled_joints_of_hostile_names(target):
     arm = dataclasses.replace(arm, name='class */ "ä (* $(reboot) %}', joints=joints)
     robot = unit(arm, ("terms", "jacobian"), False, {}, arm.end_frame, False)
     assert robot.name == "class_a_reboot"
+    for a in tried(target, robot).agreements:
+        assert a.exact <= ULP
+
+
+@pytest.mark.parametrize("name", ["NAME_TESTS_CALLS_VECTORS", "REACH ROUND EXACT"])
+@pytest.mark.parametrize("target", CODE)
+def test_words_of_templates_are_names_like_others(target, name):
+    arm = mcgee.arms.planar_2r().replace(name=f"{name} SCALAR COUNT")
+    robot = unit(arm, ("inverse_dynamics",), True, {}, arm.end_frame, False)
     for a in tried(target, robot).agreements:
         assert a.exact <= ULP
 
@@ -203,7 +213,17 @@ def test_golden_files(target):
 
 
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
-@pytest.mark.parametrize("flags", ["-O0", "-O3 -march=native", "-O2 -ffast-math", "-Os"])
+@pytest.mark.parametrize(
+    "flags",
+    [
+        "-O0",
+        "-O3 -march=native",
+        "-Os",
+        "-O2 -ffast-math",
+        "-O2 -funsafe-math-optimizations",
+        "-O3 -fassociative-math -fno-signed-zeros -fno-trapping-math",
+    ],
+)
 def test_c_holds_under_other_flags(flags, compiler, tmp_path):
     """Fast mathematics too, which would undo the reduction of angles."""
     robot = made("ur5", ("inverse_dynamics", "terms"))
@@ -219,6 +239,43 @@ def test_c_holds_under_other_flags(flags, compiler, tmp_path):
         check=True,
     )
     assert subprocess.run(["./a.out"], cwd=tmp_path).returncode == 0
+
+
+@pytest.mark.parametrize("target", ["c", "cpp"])
+def test_doubles_of_four_bytes(target, tmp_path):
+    """As some microcontrollers have them: the library's cosines then, and no bits of others."""
+    made_files = files(target, "planar_2r")
+    for path, content in made_files.items():
+        (tmp_path / path).parent.mkdir(exist_ok=True)
+        (tmp_path / path).write_text(re.sub(r"\bdouble\b", "float", str(content)))
+    source = "planar_2r.c" if target == "c" else "planar_2r.hpp"
+    text = (tmp_path / source).read_text()
+    (tmp_path / source).write_text(text.replace("DBL_MANT_DIG", "FLT_MANT_DIG"))
+    main = {
+        "c": "#include <stdio.h>\n"
+        '#include "planar_2r.h"\n'
+        "int main(void) {\n"
+        "    const float q[] = {0.5f, 0.3f}, qd[] = {0.0f, 0.0f};\n"
+        "    float M[4], b[2], g[2];\n"
+        "    planar_2r_dynamics(q, qd, M, b, g);\n"
+        '    printf("%.6f\\n", M[0]);\n}\n',
+        "cpp": "#include <cstdio>\n"
+        '#include "planar_2r.hpp"\n'
+        "int main() {\n"
+        "    Eigen::Matrix<float, 2, 1> q(0.5f, 0.3f), qd(0, 0), b, g;\n"
+        "    Eigen::Matrix<float, 2, 2> M;\n"
+        "    planar_2r_dynamics(q, qd, M, b, g);\n"
+        '    std::printf("%.6f\\n", static_cast<double>(M(0, 0)));\n}\n',
+    }[target]
+    (tmp_path / f"main.{target}").write_text(main)
+    compile_ = {
+        "c": ["gcc", "-std=c99", "main.c", "planar_2r.c"],
+        "cpp": ["g++", "-std=c++14", "-isystem", "/usr/include/eigen3", "main.cpp"],
+    }[target]
+    flags = ["-Wall", "-Werror", "-fsanitize=address,undefined", "-O1", "-lm"]
+    subprocess.run([*compile_, *flags], cwd=tmp_path, check=True)
+    said = subprocess.run(["./a.out"], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert float(said.stdout) == pytest.approx(2.655336, abs=2e-6)
 
 
 @pytest.mark.parametrize("target", ["c", "cpp"])

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import keyword
 import re
+import sys
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mcgee.codegen.names import LONGEST, RESERVED, Names, camel, identifier, pascal, words
+from mcgee.codegen.names import LONGEST, RESERVED, Names, camel, identifier, pascal, stem, words
 
 LEGAL = re.compile(r"[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*_?")
 
@@ -56,6 +57,35 @@ def test_no_two_names_share_an_identifier(given_names):
 )
 def test_what_names_become(name, expected):
     assert identifier(name) == expected
+
+
+@pytest.mark.parametrize("name", ["NAN", "INFINITY", "M_PI", "DBL_EPSILON", "UINT64_MAX"])
+def test_macros_of_headers_are_no_names(name):
+    assert identifier(name) == f"{name}_"
+    assert stem(name) == f"{name}_arm"
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("planar_2r", "planar_2r"),
+        ("2r", "arm_2r"),
+        ("", "arm"),
+        ("class", "class_arm"),
+        ("math", "math_arm"),
+        ("String", "String_arm"),
+        ("SELF_TEST", "SELF_TEST_arm"),
+        ("fmi3Functions", "fmi3Functions_arm"),
+    ],
+)
+def test_robots_hide_no_file(name, expected):
+    assert stem(name) == expected
+
+
+def test_every_module_of_python_is_known():
+    for name in sys.stdlib_module_names:
+        if "_" not in name and name == name.lower():
+            assert stem(name) == f"{name}_arm"
 
 
 def test_collisions_are_numbered():

@@ -143,22 +143,63 @@ def test_failures_leave_nothing(two, tmp_path, monkeypatch):
     assert os.listdir(tmp_path) == []
 
 
-def test_failures_keep_what_was_there(two, tmp_path, monkeypatch):
-    two.codegen("c", tmp_path / "out")
+@pytest.mark.parametrize("stop", [OSError(5, "Input/output error"), KeyboardInterrupt()])
+@pytest.mark.parametrize("after", range(0, 16, 3))
+def test_failures_keep_what_was_there(stop, after, two, tmp_path, monkeypatch):
+    """Wherever the exchange of files is stopped."""
+    two.codegen("c", tmp_path / "out", ["terms", "gravity"])
+    (tmp_path / "out" / "mine.txt").write_text("mine")
     before = tree(tmp_path / "out")
-    real = os.replace
+    real, calls = os.replace, []
 
-    def fails_once(a, b):
-        if str(b).endswith("out"):
-            monkeypatch.setattr(os, "replace", real)
-            raise OSError(5, "Input/output error")
+    def stops(a, b):
+        calls.append(b)
+        if len(calls) == after + 1:
+            raise stop
         real(a, b)
 
-    monkeypatch.setattr(os, "replace", fails_once)
-    with pytest.raises(ValueError, match="Input/output error"):
-        two.codegen("c", tmp_path / "out", overwrite=True)
+    monkeypatch.setattr(os, "replace", stops)
+    with pytest.raises((ValueError, KeyboardInterrupt)):
+        two.codegen("c", tmp_path / "out", ["terms", "inverse_dynamics"], overwrite=True)
     assert tree(tmp_path / "out") == before
     assert os.listdir(tmp_path) == ["out"]
+
+
+def test_a_folder_stays_the_same_folder(two, tmp_path, monkeypatch):
+    """Shells may stand in it."""
+    monkeypatch.chdir(tmp_path)
+    number = os.stat(".").st_ino
+    for _ in range(2):
+        two.codegen("c", ".", overwrite=True)
+    assert os.stat(".").st_ino == number
+    assert (tmp_path / "planar_2r.c").is_file()
+    assert not [name for name in os.listdir() if name.startswith(".")]
+
+
+def test_links_to_folders_inside_are_not_followed(two, tmp_path):
+    outside, folder = tmp_path / "outside", tmp_path / "out"
+    outside.mkdir()
+    (outside / "dynamics.txt").write_text("keep")
+    folder.mkdir()
+    (folder / "vectors").symlink_to(outside)
+    with pytest.raises(ValueError, match="'vectors' is a link there"):
+        two.codegen("c", folder, overwrite=True)
+    assert tree(outside) == {"dynamics.txt": b"keep"}
+    assert os.listdir(folder) == ["vectors"]
+
+
+def test_what_is_in_the_way_is_named(two, tmp_path):
+    (tmp_path / "planar_2r.c").mkdir()
+    with pytest.raises(ValueError, match=r"'planar_2r\.c' to .*: a folder has"):
+        two.codegen("c", tmp_path, overwrite=True)
+    (tmp_path / "planar_2r.c").rmdir()
+    (tmp_path / "vectors").write_text("a file")
+    with pytest.raises(ValueError, match="'vectors' is a file there"):
+        two.codegen("c", tmp_path, overwrite=True)
+    (tmp_path / "vectors").unlink()
+    os.mkfifo(tmp_path / "pipe")  # somebody else's
+    two.codegen("c", tmp_path, overwrite=True)
+    assert stat.S_ISFIFO((tmp_path / "pipe").stat().st_mode)
 
 
 def test_modes_are_those_of_other_folders(tmp_path):

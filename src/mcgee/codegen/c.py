@@ -10,6 +10,7 @@ from mcgee.codegen.common import (
     Files,
     comment,
     documentation,
+    filled,
     header,
     layout,
     readme,
@@ -234,13 +235,16 @@ def selftest(unit: Unit) -> str:
     calls = "".join(f"    failed += test_{f.name}(folder);\n" for f in unit.functions)
     return (
         f"/* Compares {unit.name} with the vectors; exits non-zero where one is missed. */\n"
-        + _SELFTEST.replace("NAME", unit.name)
-        .replace("TOLERANCE", str(TOLERANCE))
-        .replace("EPSILON", "FLT_EPSILON" if unit.single else "DBL_EPSILON")
-        .replace("VECTORS", VECTORS)
-        .replace("SCALAR", scalar(unit))
-        .replace("TESTS", "".join(_test(unit, f) for f in unit.functions))
-        .replace("CALLS", calls)
+        + filled(
+            _SELFTEST,
+            NAME=unit.name,
+            TOLERANCE=str(TOLERANCE),
+            EPSILON="FLT_EPSILON" if unit.single else "DBL_EPSILON",
+            VECTORS=VECTORS,
+            SCALAR=scalar(unit),
+            TESTS="".join(_test(unit, f) for f in unit.functions),
+            CALLS=calls,
+        )
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import textwrap
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -61,6 +62,12 @@ def documentation(function: Function) -> list[str]:
 
 def capital(sentence: str) -> str:
     return f"{sentence[:1].upper()}{sentence[1:]}"
+
+
+def filled(template: str, **words: str) -> str:
+    """A template with texts for its words, all at once: a text that holds such a word keeps it."""
+    longest_first = sorted(words, key=len, reverse=True)
+    return re.sub("|".join(longest_first), lambda found: words[found[0]], template)
 
 
 def vectors(unit: Unit) -> Files:

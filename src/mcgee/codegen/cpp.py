@@ -12,6 +12,7 @@ from mcgee.codegen.common import (
     Files,
     comment,
     documentation,
+    filled,
     header,
     layout,
     readme,
@@ -120,8 +121,8 @@ def header_file(unit: Unit) -> str:
         )
         parts.append(f"\nstruct {params_type(unit)} {{\n{fields}}};\n")
     if fast:
-        turns = turns_function(f"inline void {unit.name}_turns", "__restrict")
-        parts.append(turns.replace("EXACT", f"{unit.name.upper()}_EXACT"))
+        head, exact = f"inline void {unit.name}_turns", f"{unit.name.upper()}_EXACT"
+        parts.append(turns_function(head, "__restrict", exact))
     parts += [definition(unit, f) for f in unit.functions]
     return "".join([*parts, "\n#endif\n"])
 
@@ -181,12 +182,15 @@ def selftest(unit: Unit) -> str:
     calls = "".join(f"    failed |= test_{f.name}(folder);\n" for f in unit.functions)
     return (
         f"// Compares {unit.name} with the vectors; exits non-zero where one is missed.\n"
-        + _SELFTEST.replace("NAME", unit.name)
-        .replace("TOLERANCE", str(TOLERANCE))
-        .replace("VECTORS", VECTORS)
-        .replace("SCALAR", c.scalar(unit))
-        .replace("TESTS", "".join(_test(unit, f) for f in unit.functions))
-        .replace("CALLS", calls)
+        + filled(
+            _SELFTEST,
+            NAME=unit.name,
+            TOLERANCE=str(TOLERANCE),
+            VECTORS=VECTORS,
+            SCALAR=c.scalar(unit),
+            TESTS="".join(_test(unit, f) for f in unit.functions),
+            CALLS=calls,
+        )
     )
 
 

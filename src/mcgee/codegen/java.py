@@ -11,6 +11,7 @@ from mcgee.codegen.common import (
     Files,
     comment,
     documentation,
+    filled,
     header,
     layout,
     readme,
@@ -195,10 +196,13 @@ def selftest(unit: Unit) -> str:
     calls = "".join(f"        failed |= {camel(f.name)}(folder);\n" for f in unit.functions)
     return (
         f"/** Compares {type_name(unit)} with the vectors; exits non-zero where one is missed. */\n"
-        + _SELFTEST.replace("TOLERANCE", str(TOLERANCE))
-        .replace("VECTORS", VECTORS)
-        .replace("TESTS", "".join(_test(unit, f) for f in unit.functions))
-        .replace("CALLS", calls)
+        + filled(
+            _SELFTEST,
+            TOLERANCE=str(TOLERANCE),
+            VECTORS=VECTORS,
+            TESTS="".join(_test(unit, f) for f in unit.functions),
+            CALLS=calls,
+        )
     )
 
 

@@ -12,6 +12,7 @@ from mcgee.codegen.common import (
     Files,
     comment,
     describes,
+    filled,
     header,
     layout,
     readme,
@@ -125,11 +126,14 @@ def selftest(unit: Unit) -> str:
     names = "".join(f"  {p.identifier!r},\n" for p in unit.parameters).replace("'", '"')
     return (
         f"// Compares {unit.name} with the vectors; exits non-zero where one is missed.\n"
-        + _SELFTEST.replace("NAME", unit.name)
-        .replace("TOLERANCE", str(TOLERANCE))
-        .replace("VECTORS", VECTORS)
-        .replace("PARAMETERS", f"[\n{names}]" if names else "[]")
-        .replace("TESTS", "".join(_test(f) for f in unit.functions))
+        + filled(
+            _SELFTEST,
+            NAME=unit.name,
+            TOLERANCE=str(TOLERANCE),
+            VECTORS=VECTORS,
+            PARAMETERS=f"[\n{names}]" if names else "[]",
+            TESTS="".join(_test(f) for f in unit.functions),
+        )
     )
 
 

@@ -9,6 +9,7 @@ from mcgee.codegen.common import (
     VECTORS,
     Files,
     documentation,
+    filled,
     header,
     layout,
     readme,
@@ -108,13 +109,14 @@ def _list(changed: Sequence[str]) -> str:
 def selftest(unit: Unit) -> str:
     calls = "".join(f"failed = failed | {f.name}_(folder);\n" for f in unit.functions)
     tests = "".join(_test(unit, f) for f in unit.functions)
-    return (
-        _SELFTEST.replace("NAME", unit.name)
-        .replace("TITLE", unit.name.upper())
-        .replace("TOLERANCE", str(TOLERANCE))
-        .replace("VECTORS", VECTORS)
-        .replace("CALLS", calls)
-        .replace("TESTS", tests)
+    return filled(
+        _SELFTEST,
+        NAME=unit.name,
+        TITLE=unit.name.upper(),
+        TOLERANCE=str(TOLERANCE),
+        VECTORS=VECTORS,
+        CALLS=calls,
+        TESTS=tests,
     )
 
 

@@ -39,8 +39,6 @@ endfunction endif endfor endwhile endswitch until unwind_protect pi eps inf nan 
 varargin varargout nargin nargout error
 # Wolfram: its own symbols of one letter
 C D E I K N O
-# files that packages have
-selftest SelfTest vectors fmi2 fmi3 fmu fmu_model fmu_motion
 # what generated functions call their own
 q qdot qddot tau v params parameters work cos sin M Cqdot g Minv T P J Js Y c dg_dq dtau_dq
 dtau_dqdot dqddot_dq dqddot_dqdot Cv a pose poses step
@@ -49,6 +47,38 @@ dtau_dqdot dqddot_dq dqddot_dqdot Cv a pose poses step
 RESERVED = frozenset(
     word for line in WORDS.splitlines() if not line.startswith("#") for word in line.split()
 )
+
+MACROS = re.compile(r"NAN|INFINITY|HUGE_VALL?F?|(M|DBL|FLT|LDBL|FE|FP|U?INT\w*)_[A-Z]\w*")
+"""Of C's headers."""
+
+HIDDEN = """
+abc aifc annotationlib antigravity argparse array assert ast asynchat asyncio asyncore atexit
+audioop base64 bdb binascii bisect builtins bz2 calendar cg_sfun cgi cgitb chunk cmakelists
+cmath cmd code codecs codeop collections colorsys compileall complex compression concurrent
+configparser contextlib contextvars copy copyreg crypt csv ctype ctypes curses dataclasses
+datetime dbm decimal difflib dis distutils doctest email encodings ensurepip enum errno
+faulthandler fcntl fenv filecmp fileinput float fmi2 fmi2functions fmi2functiontypes
+fmi2typesplatform fmi3 fmi3functions fmi3functiontypes fmi3platformtypes fmu fmumodel fmumotion
+fnmatch fractions ftplib functools gc genericpath getopt getpass gettext glob graphlib grp gzip
+hashlib heapq hmac html http idlelib imaplib imghdr imp importlib inspect inttypes io ipaddress
+iso646 itertools json keyword lib2to3 license limits linecache locale logging lzma mailbox
+mailcap marshal math matrix mex mimetypes mmap modulefinder msilib msvcrt multiprocessing netrc
+nis nntplib nt ntpath nturl2path numbers numpy opcode operator optparse os ossaudiodev pathlib
+pdb pickle pickletools pipes pkgutil platform plistlib poplib posix posixpath pprint profile
+pstats pty pwd pyclbr pydoc pydocdata pyexpat queue quopri random re readline readme reprlib
+resource rlcompleter rtwtypes runpy sched secrets select selectors selftest setjmp setup shelve
+shlex shutil signal simstruc simulink site smtpd smtplib sndhdr socket socketserver spwd sqlite3
+ssl stat statistics stdalign stdarg stdatomic stdbool stddef stdint stdio stdlib stdnoreturn
+string stringprep struct subprocess sunau symtable sys sysconfig syslog tabnanny tarfile
+telnetlib tempfile termios textwrap tgmath this threading threads time timeit tkinter tmwtypes
+token tokenize tomllib trace traceback tracemalloc tty turtle turtledemo types typing uchar
+unicodedata unistd unittest urllib uu uuid vectors venv verified warnings wave wchar wctype
+weakref webbrowser winreg winsound wsgiref xdrlib xml xmlrpc zipapp zipfile zipimport zlib
+zoneinfo
+"""
+"""Modules of Python, headers of C and files of packages, which a file of that name would hide."""
+
+FILES = frozenset(HIDDEN.split())
 
 GREEK = re.compile(r"GREEK (?:SMALL|CAPITAL) LETTER (?:FINAL )?([A-Z]+)")
 
@@ -75,7 +105,7 @@ class Names:
         found, k = plain, 1
         while _folded(found) in self._taken:
             k += 1
-            found = f"{plain}_{k}"
+            found = f"{plain.rstrip('_')}_{k}"
         self._taken.add(_folded(found))
         return found
 
@@ -84,7 +114,14 @@ def identifier(name: str, otherwise: str = "x") -> str:
     found = re.sub(r"_+", "_", "".join(map(_letters, name))).strip("_")[:LONGEST].strip("_")
     if not found or found[0].isdigit():
         found = f"{otherwise}_{found}".rstrip("_")
-    return f"{found}_" if found in RESERVED else found
+    return f"{found}_" if found in RESERVED or MACROS.fullmatch(found) else found
+
+
+def stem(name: str) -> str:
+    """What a robot's files, types and functions begin with."""
+    found = identifier(name, "arm").rstrip("_")
+    is_taken = found in RESERVED or MACROS.fullmatch(found) or _folded(found) in FILES
+    return f"{found}_arm" if is_taken else found
 
 
 def _letters(character: str) -> str:

@@ -8,6 +8,7 @@ from mcgee.codegen.common import (
     VECTORS,
     Files,
     capital,
+    filled,
     header,
     layout,
     readme,
@@ -176,11 +177,14 @@ def _cos_sin(angle):
 def selftest(unit: Unit) -> str:
     return (
         f'"""Compares {unit.name} with the vectors; exits non-zero where one is missed."""\n\n'
-        + _SELFTEST.replace("NAME", unit.name)
-        .replace("TOLERANCE", str(TOLERANCE))
-        .replace("VECTORS", VECTORS)
-        .replace("PARAMS", f"robot.{params_type(unit)}" if unit.parameters else "None")
-        .replace("TESTS", "".join(_test(unit, f) for f in unit.functions))
+        + filled(
+            _SELFTEST,
+            NAME=unit.name,
+            TOLERANCE=str(TOLERANCE),
+            VECTORS=VECTORS,
+            PARAMS=f"robot.{params_type(unit)}" if unit.parameters else "None",
+            TESTS="".join(_test(unit, f) for f in unit.functions),
+        )
     )
 
 

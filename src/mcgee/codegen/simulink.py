@@ -10,7 +10,7 @@ import re
 from importlib.resources import files as resources
 
 from mcgee.codegen import c, matlab
-from mcgee.codegen.common import Files, comment, header, readme, vectors
+from mcgee.codegen.common import Files, comment, filled, header, readme, vectors
 from mcgee.codegen.language import Command, Language, Tool
 from mcgee.codegen.unit import Function, Unit
 
@@ -89,21 +89,18 @@ def _readme(unit: Unit) -> str:
 
 def source(unit: Unit, f: Function) -> str:
     count = len(unit.parameters) if f.takes_parameters else 0
-    text = _S_FUNCTION
-    if not count:
-        text = re.sub("CHECK>.*?<CHECK\n", "", text, flags=re.DOTALL)
-    return comment(header(unit), "/*", " * ", " */") + (
-        text.replace("CHECK>\n", "")
-        .replace("<CHECK\n", "")
-        .replace("SFUNCTION", s_function(unit, f))
-        .replace("ROBOT", unit.name)
-        .replace("DIALOG", str(int(count > 0)))
-        .replace("COUNT", str(count))
-        .replace("OUTPORTS", _output_ports(f))
-        .replace("PORTS>", _input_ports(f))
-        .replace("INPUTS", str(len(f.state)))
-        .replace("OUTPUTS", str(len(f.outputs)))
-        .replace("COMPUTE", _compute(unit, f))
+    checked = r"\1" if count else ""
+    return comment(header(unit), "/*", " * ", " */") + filled(
+        re.sub("CHECK>\n(.*?)<CHECK\n", checked, _S_FUNCTION, flags=re.DOTALL),
+        SFUNCTION=s_function(unit, f),
+        ROBOT=unit.name,
+        DIALOG=str(int(count > 0)),
+        COUNT=str(count),
+        OUTPORTS=_output_ports(f),
+        INPORTS=_input_ports(f),
+        INPUTS=str(len(f.state)),
+        OUTPUTS=str(len(f.outputs)),
+        COMPUTE=_compute(unit, f),
     )
 
 
@@ -193,7 +190,7 @@ CHECK>
     if (!ssSetNumInputPorts(S, INPUTS)) {
         return;
     }
-PORTS>    if (!ssSetNumOutputPorts(S, OUTPUTS)) {
+INPORTS    if (!ssSetNumOutputPorts(S, OUTPUTS)) {
         return;
     }
 OUTPORTS    ssSetNumSampleTimes(S, 1);

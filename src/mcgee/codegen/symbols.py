@@ -39,11 +39,15 @@ class Model:
     def put(
         self,
         mechanism: Mechanism,
-        values: list[Any],
+        values: list[Any] | None,
         number: Callable[[float], Scalar] = lambda x: x,
     ) -> Mechanism:
-        """The mechanism with values of any scalar type in its parameters' places."""
-        if not self.defaults:
+        """The mechanism with values of any scalar type in its parameters' places.
+
+        Args:
+            values: None for what takes no parameters
+        """
+        if values is None:
             return mechanism.map(number)
         if not self.symbolic:
             return with_parameters(mechanism.map(number), values)

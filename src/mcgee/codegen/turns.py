@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from mcgee.codegen.common import filled
 from mcgee.codegen.expression import text
 from mcgee.codegen.routine import Turn
 from mcgee.codegen.statements import Style
@@ -27,14 +28,23 @@ def together(name: str, turns: Sequence[Turn], own: Style) -> str:
     return out
 
 
-def turns_function(head: str, restrict: str) -> str:
-    """A function of count, x, c and s, as C and as C++."""
-    text = _TURNS.replace("HEAD", head).replace("RESTRICT", restrict)
-    for name, value in (("TWO_OVER_PI", TWO_OVER_PI), ("ROUND", ROUND), ("REACH", REACH)):
-        text = text.replace(name, repr(value))
-    for k, part in enumerate(PIO2):
-        text = text.replace(f"PIO2_{k}", repr(part))
-    return text.replace("COSINES", _horner(COS)).replace("SINES", _horner(SIN))
+def turns_function(head: str, restrict: str, exact: str = "EXACT") -> str:
+    """A function of count, x, c and s, as C and as C++.
+
+    Args:
+        exact: the name of its macro
+    """
+    constants = {"TWO_OVER_PI": TWO_OVER_PI, "ROUND": ROUND, "REACH": REACH}
+    constants |= {f"PIO2_{k}": part for k, part in enumerate(PIO2)}
+    return filled(
+        _TURNS,
+        HEAD=head,
+        RESTRICT=restrict,
+        EXACT=exact,
+        COSINES=_horner(COS),
+        SINES=_horner(SIN),
+        **{name: repr(value) for name, value in constants.items()},
+    )
 
 
 def _horner(coefficients: Sequence[float]) -> str:
@@ -50,7 +60,7 @@ def _horner(coefficients: Sequence[float]) -> str:
 
 _TURNS = """
 /* Cosines and sines to less than a unit in the last place, in a loop that compilers vectorise. */
-#if defined(__FAST_MATH__) || defined(_M_FP_FAST) || FLT_EVAL_METHOD != 0
+#if defined(__FAST_MATH__) || defined(_M_FP_FAST) || FLT_EVAL_METHOD != 0 || DBL_MANT_DIG != 53
 #define EXACT 0 /* what compilers may round otherwise is left to the library */
 #else
 #define EXACT 1
@@ -58,8 +68,13 @@ _TURNS = """
 HEAD(
     int count, const double *RESTRICT x, double *RESTRICT c, double *RESTRICT s)
 {
-    int far = !EXACT;
-    for (int i = 0; EXACT && i < count; ++i) {
+    int exact = 0, beyond = 1;
+#if EXACT
+    static const volatile double quarter = 0.25;
+    /* Optimisations that reorder sums undo the rounding: then, too, the library. */
+    exact = (quarter + ROUND) - ROUND == 0.0;
+    beyond = !exact;
+    for (int i = 0; i < count; ++i) {
         const double shifted = x[i]*TWO_OVER_PI + ROUND;
         const double n = shifted - ROUND;
         const double a = x[i] - n*PIO2_0;
@@ -81,10 +96,11 @@ HEAD(
         const uint64_t sq = ((sb & ~odd) | (cb & odd)) ^ ((quadrant << 62) & sign);
         memcpy(c + i, &cq, sizeof cq);
         memcpy(s + i, &sq, sizeof sq);
-        far |= !(fabs(x[i]) < REACH);
+        beyond |= !(fabs(x[i]) < REACH);
     }
-    for (int i = 0; far && i < count; ++i) {
-        if (!EXACT || !(fabs(x[i]) < REACH)) {
+#endif
+    for (int i = 0; beyond && i < count; ++i) {
+        if (!exact || !(fabs(x[i]) < REACH)) {
             c[i] = cos(x[i]);
             s[i] = sin(x[i]);
         }

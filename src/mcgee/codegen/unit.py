@@ -12,7 +12,7 @@ import numpy as np
 
 from mcgee import build
 from mcgee.codegen import symbols
-from mcgee.codegen.names import Names, identifier, words
+from mcgee.codegen.names import Names, stem, words
 from mcgee.codegen.readable import dynamics
 from mcgee.codegen.routine import Routine, routine
 from mcgee.codegen.vectors import STATES, Vectors, vectors
@@ -222,7 +222,7 @@ def unit(
         Parameter(name, names.of(name, "p"), value) for name, value in model.defaults.items()
     )
     made = tuple(_function(model, quantity, frame, single) for quantity in functions)
-    return Unit(model, identifier(robot.name, "arm"), made, parameters, frame, single)
+    return Unit(model, stem(robot.name), made, parameters, frame, single)
 
 
 def _options(quantity: str, frame: str) -> tuple[str, ...]:

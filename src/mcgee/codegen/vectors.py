@@ -144,7 +144,7 @@ def _result(
     """The outputs' elements, correctly rounded."""
     with mpmath.workdps(DIGITS):
         exact = {name: [number(x) for x in values] for name, values in state.items()}
-        mechanism = model.put(model.robot.mechanism, exact.pop("params", []), number)
+        mechanism = model.put(model.robot.mechanism, exact.pop("params", None), number)
         result = getattr(quantities, quantity)(mechanism, *exact.values(), *options)
         whole = result if isinstance(result, tuple) else (result,)
         return [[float(x) for x in _flat(array)] for array in whole]

@@ -19,7 +19,7 @@
 #include <string.h>
 
 /* Cosines and sines to less than a unit in the last place, in a loop that compilers vectorise. */
-#if defined(__FAST_MATH__) || defined(_M_FP_FAST) || FLT_EVAL_METHOD != 0
+#if defined(__FAST_MATH__) || defined(_M_FP_FAST) || FLT_EVAL_METHOD != 0 || DBL_MANT_DIG != 53
 #define EXACT 0 /* what compilers may round otherwise is left to the library */
 #else
 #define EXACT 1
@@ -27,8 +27,12 @@
 static void planar_2r_turns(
     int count, const double *PLANAR_2R_RESTRICT x, double *PLANAR_2R_RESTRICT c, double *PLANAR_2R_RESTRICT s)
 {
-    int far = !EXACT;
-    for (int i = 0; EXACT && i < count; ++i) {
+    int exact = 0, beyond = 1;
+#if EXACT
+    static const volatile double quarter = 0.25;
+    exact = (quarter + 6755399441055744.0) - 6755399441055744.0 == 0.0; /* or optimisations have undone the rounding */
+    beyond = !exact;
+    for (int i = 0; i < count; ++i) {
         const double shifted = x[i]*0.6366197723675814 + 6755399441055744.0;
         const double n = shifted - 6755399441055744.0;
         const double a = x[i] - n*1.5707963267923333;
@@ -54,10 +58,11 @@ static void planar_2r_turns(
         const uint64_t sq = ((sb & ~odd) | (cb & odd)) ^ ((quadrant << 62) & sign);
         memcpy(c + i, &cq, sizeof cq);
         memcpy(s + i, &sq, sizeof sq);
-        far |= !(fabs(x[i]) < 100000.0);
+        beyond |= !(fabs(x[i]) < 100000.0);
     }
-    for (int i = 0; far && i < count; ++i) {
-        if (!EXACT || !(fabs(x[i]) < 100000.0)) {
+#endif
+    for (int i = 0; beyond && i < count; ++i) {
+        if (!exact || !(fabs(x[i]) < 100000.0)) {
             c[i] = cos(x[i]);
             s[i] = sin(x[i]);
         }

@@ -24,7 +24,7 @@
 #include <cstring>
 
 /* Cosines and sines to less than a unit in the last place, in a loop that compilers vectorise. */
-#if defined(__FAST_MATH__) || defined(_M_FP_FAST) || FLT_EVAL_METHOD != 0
+#if defined(__FAST_MATH__) || defined(_M_FP_FAST) || FLT_EVAL_METHOD != 0 || DBL_MANT_DIG != 53
 #define PLANAR_2R_EXACT 0 /* what compilers may round otherwise is left to the library */
 #else
 #define PLANAR_2R_EXACT 1
@@ -32,8 +32,12 @@
 inline void planar_2r_turns(
     int count, const double *__restrict x, double *__restrict c, double *__restrict s)
 {
-    int far = !PLANAR_2R_EXACT;
-    for (int i = 0; PLANAR_2R_EXACT && i < count; ++i) {
+    int exact = 0, beyond = 1;
+#if PLANAR_2R_EXACT
+    static const volatile double quarter = 0.25;
+    exact = (quarter + 6755399441055744.0) - 6755399441055744.0 == 0.0; /* or optimisations have undone the rounding */
+    beyond = !exact;
+    for (int i = 0; i < count; ++i) {
         const double shifted = x[i]*0.6366197723675814 + 6755399441055744.0;
         const double n = shifted - 6755399441055744.0;
         const double a = x[i] - n*1.5707963267923333;
@@ -59,10 +63,11 @@ inline void planar_2r_turns(
         const uint64_t sq = ((sb & ~odd) | (cb & odd)) ^ ((quadrant << 62) & sign);
         memcpy(c + i, &cq, sizeof cq);
         memcpy(s + i, &sq, sizeof sq);
-        far |= !(fabs(x[i]) < 100000.0);
+        beyond |= !(fabs(x[i]) < 100000.0);
     }
-    for (int i = 0; far && i < count; ++i) {
-        if (!PLANAR_2R_EXACT || !(fabs(x[i]) < 100000.0)) {
+#endif
+    for (int i = 0; beyond && i < count; ++i) {
+        if (!exact || !(fabs(x[i]) < 100000.0)) {
             c[i] = cos(x[i]);
             s[i] = sin(x[i]);
         }

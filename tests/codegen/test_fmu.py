@@ -331,6 +331,26 @@ def test_broken_code_is_found(monkeypatch, kind):
         verify(FMU, found, FMU.files(found))
 
 
+def test_wrong_defaults_are_found(monkeypatch):
+    right = c.source
+    monkeypatch.setattr(c, "source", lambda unit: right(unit).replace("9.81", "9.82"))
+    found = arm_unit("planar_2r")
+    with pytest.raises(VerificationError, match="do not start with the values of the description"):
+        verify(FMU, found, FMU.files(found))
+
+
+@pytest.mark.parametrize(
+    "before", ["{0.0, 0.5, 0.5, 1.0}", "h*share[stage]", "v + TAU, &p, h/steps"]
+)
+def test_wrong_steps_of_co_simulation_are_found(monkeypatch, before):
+    after = {"{": "{0.0, 0.25, 0.5, 1.0}", "h": "0.99*h*share[stage]", "v": "v + TAU, &p, h"}
+    right = fmu.text
+    monkeypatch.setattr(fmu, "text", lambda name: right(name).replace(before, after[before[0]]))
+    found = arm_unit("planar_2r")
+    with pytest.raises(VerificationError, match="off its Runge-Kutta method"):
+        verify(FMU, found, FMU.files(found))
+
+
 @pytest.mark.parametrize(
     ("name", "content", "says"),
     [

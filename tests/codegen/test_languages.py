@@ -130,6 +130,20 @@ def test_a_wrong_sign_is_found(target):
 
 
 @pytest.mark.parametrize("target", CODE)
+def test_a_wrong_default_is_found(target):
+    robot = made("planar_2r", params=True)
+    found = dict(files(target, "planar_2r", params=True))
+    holds = "planar_2r_params.m" if target in ("matlab", "simulink") else SOURCES[target]
+    text = str(found[holds])
+    found[holds] = re.sub(r"(g0.*)9\.81", r"\g<1>9.82", text)
+    if found[holds] == text:  # C lists them without their names
+        found[holds] = text.replace("9.81", "9.82")
+    assert found[holds] != text
+    with pytest.raises(VerificationError):
+        verify(LANGUAGES[target], robot, found)
+
+
+@pytest.mark.parametrize("target", CODE)
 def test_a_wrong_vector_is_found(target):
     robot = made("planar_2r", params=True)
     found = dict(files(target, "planar_2r", params=True))

@@ -346,6 +346,7 @@ WRONG = {
     "a number": ("2.0*qdot1", "2.0000001*qdot1"),
     "the kinetic energy": ("I1 + I2 + l1^2*m2", "I1 + I2 + l2^2*m2"),
     "the potential energy": ("g0*lc2*m2*Sin[q1 + q2]", "g0*lc2*m2*Cos[q1 + q2]"),
+    "a default": ("g0 -> 9.81", "g0 -> 9.82"),
     "no number": ("M12 = ", "M12 = Indeterminate + "),
     "syntax": ("Begin[", "Begin[["),
 }

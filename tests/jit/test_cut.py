@@ -117,7 +117,7 @@ def test_code_does_not_grow_with_the_chain():
 def test_scratch_is_used_again():
     p = build.trace(chain(120).mechanism, "inverse_dynamics")
     left = live(p, {})
-    parts = cut.evenly([node for node in left if node.op != "input"])
+    parts = cut.evenly([node for node in left if node.op != "input"], kernel.PART)
     places, size = cut.crossing(parts, left)
     assert size < 0.8 * len(places)
     last = {}

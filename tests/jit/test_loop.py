@@ -22,7 +22,6 @@ from programs import (
 )
 
 from mcgee import arms
-from mcgee.graph import cut
 from mcgee.graph.program import Program, evaluate
 from mcgee.jit import kernel, loop
 from mcgee.jit.target import host
@@ -391,7 +390,7 @@ def test_threads_share_a_gufunc():
 def test_parts_change_no_bit(part, monkeypatch):
     p = random_program(21, (3, 2), (4,), (2, 2), (), operations=60)
     whole = gufunc(p)
-    monkeypatch.setattr(cut, "PART", part)
+    monkeypatch.setattr(kernel, "PART", part)
     ir = kernel.kernel_ir(p, host())
     assert ir.text.count("define") > 60 / part / 3
     assert ir.work > 0
@@ -401,10 +400,10 @@ def test_parts_change_no_bit(part, monkeypatch):
 
 
 def test_a_program_of_many_parts(monkeypatch):
-    p = random_program(22, (4,), (6,), operations=3 * cut.PART)
-    assert len(p.nodes) > 2 * cut.PART
+    p = random_program(22, (4,), (6,), operations=3 * kernel.PART)
+    assert len(p.nodes) > 2 * kernel.PART
     split = gufunc(p)
-    monkeypatch.setattr(cut, "PART", 10**9)
+    monkeypatch.setattr(kernel, "PART", 10**9)
     x = arrays(p, 19)
     assert same_bits(split(*x), gufunc(p)(*x))
     agree(split(*x), evaluate(p, *x)[0], bits=False)
@@ -413,7 +412,7 @@ def test_a_program_of_many_parts(monkeypatch):
 def test_parts_of_a_robot(monkeypatch):
     p = of_robot(arms.scara(), "coriolis_matrix")
     whole = gufunc(p)
-    monkeypatch.setattr(cut, "PART", 11)
+    monkeypatch.setattr(kernel, "PART", 11)
     x = arrays(p, 25)
     assert same_bits(gufunc(p)(*x), whole(*x))
 

@@ -203,6 +203,12 @@ def _test(unit: Unit, f: Function) -> str:
                 lines.append(
                     f"params.{p.identifier} = static_cast<{c.scalar(unit)}>(row[{at + i}]);"
                 )
+            lines += [
+                f"const {params_type(unit)} standard{{}};  // which the first row holds",
+                "if (&row == &rows[0] && std::memcmp(&params, &standard, sizeof params) != 0) {",
+                "    worst = std::numeric_limits<double>::infinity();",
+                "}",
+            ]
         else:
             lines.append(f"read({array.name}, row, {at});")
     lines += [f"{kind(unit, array)} {array.name};" for array in f.outputs]
@@ -223,6 +229,7 @@ _SELFTEST = """#include "NAME.hpp"
 #include <cstddef>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <fstream>
 #include <limits>
 #include <sstream>

@@ -211,7 +211,9 @@ def _test(unit: Unit, f: Function) -> str:
     for array, at in row.inputs:
         if array.name == "params":
             lines.append(f"final {owner}.Params params = new {owner}.Params();")
-            for i, p in enumerate(unit.parameters):
+            for i, p in enumerate(unit.parameters):  # the first row holds the description's
+                wrong = f"row == rows.get(0) && params.{p.identifier} != row[{at + i}]"
+                lines.append(f"worst = {wrong} ? Double.POSITIVE_INFINITY : worst;")
                 lines.append(f"params.{p.identifier} = row[{at + i}];")
         else:
             end = at + array.size

@@ -127,6 +127,11 @@ def _test(unit: Unit, f: Function) -> str:
             lines += [
                 f"params.{p.identifier} = row({at + i + 1});" for i, p in enumerate(unit.parameters)
             ]
+            lines += [
+                f"if k == 1 && ~isequal(params, {unit.name}_params())  % which the first row holds",
+                "    worst = Inf;",
+                "end",
+            ]
         else:
             lines.append(f"{array.name} = row({at + 1}:{at + array.size});")
     given = ", ".join(a.name for a in f.inputs)

@@ -187,7 +187,7 @@ class Unit:
     def fresh_vectors(self, function: Function) -> Vectors:
         """Other states than the package's."""
         quantity = function.routine.quantity
-        default = STATES if self.model.symbolic else 0
+        default = STATES if self.model.symbolic else 1  # the first row
         options = _options(quantity, self.frame)
         routine = function.routine
         return vectors(self.model, quantity, options, routine, self.single, 21, default)

@@ -258,6 +258,9 @@ def _tests(unit: Unit, f: Function, states: int) -> Iterator[str]:
     own = Symbols(unit)
     sizes = ", ".join(listed(str(a.size) for a in arrays) for arrays in (f.inputs, f.outputs))
     yield f'test["{f.name}", "", Infinity, {sizes},\n  {own.own(numeric(f))}, {TOLERANCE}]'
+    if f.takes_parameters:
+        values = f"Map[Last, {own.own('parameters')}]"
+        yield f'standard["{f.name}", {sizes}, {values}]'
     if f.name in DERIVED and states:
         terms = own.filled(DERIVED[f.name])
         if f.takes_parameters:

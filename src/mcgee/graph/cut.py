@@ -7,9 +7,6 @@ from collections.abc import Mapping, Sequence
 
 from mcgee.graph.node import Node, Value
 
-PART = 800
-"""Operations a function: code generators take more than linear time in its length."""
-
 SHORTEST, LONGEST = 100, 500
 """Operations of a part that may repeat."""
 
@@ -20,7 +17,7 @@ Left = Mapping[Node, tuple[str, tuple[Value, ...]]]
 """In order, the operation that is left of each node, and what it reads."""
 
 
-def evenly(nodes: Sequence[Node], size: int = PART) -> list[Sequence[Node]]:
+def evenly(nodes: Sequence[Node], size: int) -> list[Sequence[Node]]:
     return [nodes[i : i + size] for i in range(0, len(nodes), size)] or [[]]
 
 

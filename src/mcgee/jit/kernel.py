@@ -23,6 +23,10 @@ from mcgee.jit.target import Target
 NOTHING: Mapping[Node, tuple[int, int]] = MappingProxyType({})
 
 
+PART = 800
+"""Operations a function: code generators take more than linear time in its length."""
+
+
 @dataclass(frozen=True)
 class Kernel:
     text: str
@@ -46,7 +50,7 @@ def kernel_ir(
     left = live(program, fusions(program) if target.fma else {})
     nodes = [node for node in left if node.op != "input" or node in outputs]
     long = len(program.nodes) > LONG
-    parts = cut.where_alike(nodes, left) if long else cut.evenly(nodes)
+    parts = cut.where_alike(nodes, left) if long else cut.evenly(nodes, PART)
     crossing, work = cut.crossing(parts, left)
     offsets, start = {}, 0
     for array in program.inputs:

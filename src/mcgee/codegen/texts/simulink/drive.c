@@ -94,9 +94,14 @@ int main(void)
     double *row = numbers(width), worst = 0;
     int rows = 0, read = 1;
     while (read) {
-        for (int i = 0; read && i < width; ++i) {
-            read = fscanf(file, "%lf", row + i) == 1;
+        int i = 0;
+        while (i < width && fscanf(file, "%lf", row + i) == 1) {
+            ++i;
         }
+        if (i > 0 && i < width) {
+            refuse("a row is not as long as it should be");
+        }
+        read = i == width;
         if (read) {
             worst = tried(&sim, row, count, worst);
             ++rows;

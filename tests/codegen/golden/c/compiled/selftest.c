@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static FILE *opened(const char *folder, const char *name)
 {
@@ -20,12 +21,15 @@ static FILE *opened(const char *folder, const char *name)
 
 static int next(FILE *file, double *row, int width)
 {
-    for (int i = 0; i < width; ++i) {
-        if (fscanf(file, "%lf", row + i) != 1) {
-            return 0;
-        }
+    int i = 0;
+    while (i < width && fscanf(file, "%lf", row + i) == 1) {
+        ++i;
     }
-    return 1;
+    if (i > 0 && i < width) {
+        fprintf(stderr, "a row is not as long as it should be\n");
+        exit(2);
+    }
+    return i == width;
 }
 
 static void read_row(double *to, const double *from, int size)

@@ -30,7 +30,8 @@ static void planar_2r_turns(
     int exact = 0, beyond = 1;
 #if EXACT
     static const volatile double quarter = 0.25;
-    exact = (quarter + 6755399441055744.0) - 6755399441055744.0 == 0.0; /* or optimisations have undone the rounding */
+    /* Optimisations that reorder sums undo the rounding: then, too, the library. */
+    exact = (quarter + 6755399441055744.0) - 6755399441055744.0 == 0.0;
     beyond = !exact;
     for (int i = 0; i < count; ++i) {
         const double shifted = x[i]*0.6366197723675814 + 6755399441055744.0;

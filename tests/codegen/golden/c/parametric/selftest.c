@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static FILE *opened(const char *folder, const char *name)
 {
@@ -20,12 +21,15 @@ static FILE *opened(const char *folder, const char *name)
 
 static int next(FILE *file, double *row, int width)
 {
-    for (int i = 0; i < width; ++i) {
-        if (fscanf(file, "%lf", row + i) != 1) {
-            return 0;
-        }
+    int i = 0;
+    while (i < width && fscanf(file, "%lf", row + i) == 1) {
+        ++i;
     }
-    return 1;
+    if (i > 0 && i < width) {
+        fprintf(stderr, "a row is not as long as it should be\n");
+        exit(2);
+    }
+    return i == width;
 }
 
 static void read_row(double *to, const double *from, int size)
@@ -67,6 +71,9 @@ static int test_dynamics(const char *folder)
         double qdot[2];
         read_row(qdot, row + 2, 2);
         const planar_2r_params params = {(double)row[4], (double)row[5], (double)row[6], (double)row[7], (double)row[8], (double)row[9], (double)row[10], (double)row[11], (double)row[12]};
+        if (rows == 0 && memcmp(&params, &planar_2r_defaults, sizeof params) != 0) { /* the first row holds those */
+            worst = HUGE_VAL;
+        }
         double M[4];
         double Cqdot[2];
         double g[2];
@@ -92,6 +99,9 @@ static int test_inverse_dynamics(const char *folder)
         double qddot[2];
         read_row(qddot, row + 4, 2);
         const planar_2r_params params = {(double)row[6], (double)row[7], (double)row[8], (double)row[9], (double)row[10], (double)row[11], (double)row[12], (double)row[13], (double)row[14]};
+        if (rows == 0 && memcmp(&params, &planar_2r_defaults, sizeof params) != 0) { /* the first row holds those */
+            worst = HUGE_VAL;
+        }
         double tau[2];
         planar_2r_inverse_dynamics(q, qdot, qddot, &params, tau);
         worst = worse(worst, tau, row + 15, 2, row[17]);

@@ -26,6 +26,9 @@ for k = 1:size(rows, 1)
     params.I2 = row(11);
     params.g0 = row(12);
     params.l2 = row(13);
+    if k == 1 && ~isequal(params, planar_2r_params())  % which the first row holds
+        worst = Inf;
+    end
     [M, Cqdot, g] = planar_2r_dynamics(q, qdot, params);
     worst = worse(worst, permute(M, [2 1]), row(14:17), row(22));
     worst = worse(worst, Cqdot, row(18:19), row(23));
@@ -51,6 +54,9 @@ for k = 1:size(rows, 1)
     params.I2 = row(13);
     params.g0 = row(14);
     params.l2 = row(15);
+    if k == 1 && ~isequal(params, planar_2r_params())  % which the first row holds
+        worst = Inf;
+    end
     [tau] = planar_2r_inverse_dynamics(q, qdot, qddot, params);
     worst = worse(worst, tau, row(16:17), row(18));
 end

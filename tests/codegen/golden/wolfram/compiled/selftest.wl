@@ -44,6 +44,14 @@ test[name_, how_, count_, inputs_, outputs_, function_, tolerance_] := Module[
   Print[name, how, ": ", Length[states], " states, largest error ", shown[most], " ulp"];
   Length[states] > 0 && TrueQ[most <= tolerance]];
 
+(* The first row holds the parameters of the description. *)
+standard[name_, inputs_, outputs_, values_] := Module[
+  {states = rows[name, Total[inputs] + Total[outputs] + Length[outputs]], same},
+  same = Length[states] > 0
+    && TrueQ[Max[Abs[split[First[states], inputs][[-1]] - values] - 2.^-50*Abs[values]] <= 0];
+  If[!same, Print["the parameters are not those of the vectors of ", name]];
+  same];
+
 passed = {
   test["dynamics", "", Infinity, {2, 2}, {4, 2, 2},
     planar2rDynamics, 32],

@@ -44,9 +44,18 @@ test[name_, how_, count_, inputs_, outputs_, function_, tolerance_] := Module[
   Print[name, how, ": ", Length[states], " states, largest error ", shown[most], " ulp"];
   Length[states] > 0 && TrueQ[most <= tolerance]];
 
+(* The first row holds the parameters of the description. *)
+standard[name_, inputs_, outputs_, values_] := Module[
+  {states = rows[name, Total[inputs] + Total[outputs] + Length[outputs]], same},
+  same = Length[states] > 0
+    && TrueQ[Max[Abs[split[First[states], inputs][[-1]] - values] - 2.^-50*Abs[values]] <= 0];
+  If[!same, Print["the parameters are not those of the vectors of ", name]];
+  same];
+
 passed = {
   test["dynamics", "", Infinity, {2, 2, 9}, {4, 2, 2},
     planar2rDynamics, 32],
+  standard["dynamics", {2, 2, 9}, {4, 2, 2}, Map[Last, planar2rParameters]],
   test["dynamics", " from T and P", 3, {2, 2, 9}, {4, 2, 2},
     Function[{q, qdot, params}, Block[
       {m1, m2, l1, lc1, lc2, I1, I2, g0, l2},
@@ -55,6 +64,7 @@ passed = {
     4503600],
   test["inverse_dynamics", "", Infinity, {2, 2, 2, 9}, {2},
     planar2rInverseDynamics, 32],
+  standard["inverse_dynamics", {2, 2, 2, 9}, {2}, Map[Last, planar2rParameters]],
   test["inverse_dynamics", " from T and P", 3, {2, 2, 2, 9}, {2},
     Function[{q, qdot, qddot, params}, Block[
       {m1, m2, l1, lc1, lc2, I1, I2, g0, l2},

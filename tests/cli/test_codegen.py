@@ -81,6 +81,25 @@ def test_wrong_code_is_not_written(tmp_path):
     assert (tmp_path / "arm" / "python" / "planar_2r.py").is_file()
 
 
+def test_a_refused_target_is_told_with_the_others(tmp_path):
+    """An arm whose last link has no inertia has no forward dynamics, which an FMU needs."""
+    link = "<link name='{}'><inertial><mass value='{}'/><inertia ixx='{}' iyy='{}' izz='{}' {}/>"
+    off = "ixy='0' ixz='0' iyz='0'"
+    made = [link.format(name, m, I, I, I, off) for name, m, I in (("a", 1, 0.1), ("b", 0, 0))]
+    joint = "<joint name='{}' type='continuous'><parent link='{}'/><child link='{}'/></joint>"
+    joints = joint.format("j", "base", "a") + joint.format("k", "a", "b")
+    text = "<robot name='r'><link name='base'/>{}</inertial></link>{}</inertial></link>{}</robot>"
+    (tmp_path / "r.urdf").write_text(text.format(*made, joints))
+    words = ("r.urdf", "--target", "c,fmu,python", "-o", "out", "--no-verify", "--json")
+    done = run(*words, cwd=tmp_path)
+    assert done.returncode == 2
+    assert "joint 'k' moves nothing that has inertia" in done.stderr
+    said = json.loads(done.stdout)
+    assert [package["target"] for package in said["written"]] == ["c", "python"]
+    assert said["refused"] == ["fmu"]
+    assert sorted(os.listdir(tmp_path / "out")) == ["c", "python"]
+
+
 def test_nothing_is_written_where_a_folder_is_in_use(tmp_path):
     (tmp_path / "arm" / "python").mkdir(parents=True)
     (tmp_path / "arm" / "python" / "mine.txt").write_text("mine")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 import os
 import stat
 import warnings
@@ -224,6 +225,9 @@ REFUSED = [
     ({"functions": []}, "no function is asked for"),
     ({"frame": "hand"}, "frame is 'hand', which robot 'planar_2r' has not"),
     ({"target": "java", "single": True}, "has no float numbers. Targets that have: c, cpp"),
+    ({"target": "fmu", "functions": ["jacobean"]}, "there is no function 'jacobean'"),
+    ({"params": True, "values": {"m1": math.nan}}, "values gives 'm1' as nan, expected a finite"),
+    ({"params": True, "values": {"m1": "x"}}, "values gives 'm1' as 'x', expected a finite number"),
     ({"values": {"m1": 2.0}}, "for all its numbers are folded in"),
 ]
 

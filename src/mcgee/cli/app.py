@@ -215,7 +215,7 @@ def codegen(
 @app.command(
     no_args_is_help=True,
     epilog="Example:  mcgee simulate panda --controller computed-torque "
-    "--target panda_joint4=-1.5 --duration 3 --html run.html",
+    "--q panda_joint4=-2 --target panda_joint4=-1 --duration 3 --html run.html",
 )
 def simulate(
     robot: RobotArgument,

@@ -17,8 +17,8 @@ from mcgee.robot import Robot
 if TYPE_CHECKING:
     from mcgee.codegen import Package
 
-VERIFIED, WRONG, NOT_VERIFIED = 0, 1, 3
-"""Exit codes; 2 is a refusal."""
+VERIFIED, WRONG, REFUSED, NOT_VERIFIED = 0, 1, 2, 3
+"""Exit codes."""
 
 
 TargetOption = Annotated[
@@ -36,7 +36,7 @@ FunctionsOption = Annotated[
         "--functions",
         metavar="NAMES",
         help="terms (M, C qd, g), inverse_dynamics, forward_dynamics, coriolis_matrix, jacobian, "
-        "regressor, …, with commas.",
+        "regressor, …, with commas; FMUs have their own.",
     ),
 ]
 
@@ -65,23 +65,27 @@ def run(robot: Robot, wanted: Wanted, folder: Path, as_json: bool) -> int:
         language(target, wanted.single)
         check(place, wanted.force)
     made: list[Package] = []
-    failed: list[str] = []
+    failed: dict[int, list[str]] = {WRONG: [], REFUSED: []}
     for target, place in places.items():
         try:
             with working(f"writing and trying {target}" if wanted.verify else f"writing {target}"):
                 made.append(_package(robot, target, place, wanted))
-        except VerificationError as error:
-            failed.append(target)
+        except (VerificationError, ValueError) as error:
+            failed[WRONG if isinstance(error, VerificationError) else REFUSED].append(target)
             typer.echo(f"mcgee: error: {error}", err=True)
     if as_json:
-        print(json.dumps({"written": [_content(p) for p in made], "wrong": failed}, indent=1))
+        written = [_content(p) for p in made]
+        kinds = {"wrong": failed[WRONG], "refused": failed[REFUSED]}
+        print(json.dumps({"written": written, **kinds}, indent=1))
     else:
         _print(made)
     missing = [p for p in made if wanted.verify and not p.verified]
     for package in missing:
         lacks = package.verification.missing if package.verification else ""
         typer.echo(f"mcgee: {package.target} is not verified: no {lacks} here", err=True)
-    return WRONG if failed else NOT_VERIFIED if missing else VERIFIED
+    if failed[REFUSED] or failed[WRONG]:
+        return REFUSED if failed[REFUSED] else WRONG
+    return NOT_VERIFIED if missing else VERIFIED
 
 
 def _package(robot: Robot, target: str, place: Path, wanted: Wanted) -> Package:

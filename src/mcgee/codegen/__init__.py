@@ -83,7 +83,8 @@ def codegen(
     chosen = language(target, single)
     folder = Path(directory)
     check(folder, overwrite)
-    wanted = chosen.functions or _functions(functions)
+    asked = _functions(functions)
+    wanted = chosen.functions or asked
     open_ = params or chosen.parametric
     made = unit(robot, wanted, open_, values or {}, frame, single)
     files = chosen.files(made)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -57,9 +58,10 @@ class Model:
 
 def model(robot: Robot, params: bool, values: Mapping[Any, float]) -> Model:
     """
-    Raises: ValueError: symbols without values, or values of what is no parameter
+    Raises: ValueError: symbols without values, or values that are no finite numbers or of what is
+        no parameter
     """
-    given = {str(name): float(value) for name, value in values.items()}
+    given = {str(name): _finite(str(name), value) for name, value in values.items()}
     if robot.symbols:
         return Model(robot, _chosen(robot.name, dict.fromkeys(robot.symbols), given))
     if not params:
@@ -72,6 +74,16 @@ def model(robot: Robot, params: bool, values: Mapping[Any, float]) -> Model:
     bodies = range(1, len(robot.mechanism.bodies) + 1)
     inertial = {f"{name}{k}": next(found) for k in bodies for name in PARAMETERS}
     return Model(robot, _chosen(robot.name, inertial, given))
+
+
+def _finite(name: str, given: Any) -> float:
+    try:
+        value = float(given)
+    except (TypeError, ValueError):
+        value = math.nan
+    if not math.isfinite(value):
+        raise ValueError(f"values gives '{name}' as {given!r}, expected a finite number.")
+    return value
 
 
 def _chosen(

@@ -22,6 +22,7 @@ import mcgee
 from mcgee.codegen import VerificationError, c, fmu
 from mcgee.codegen.fmu import FMU, VERSIONS
 from mcgee.codegen.language import Tool
+from mcgee.codegen.names import stem
 from mcgee.codegen.package import put
 from mcgee.codegen.unit import Unit, unit
 from mcgee.codegen.verify import verify
@@ -187,10 +188,12 @@ def test_parameters_do_not_take_the_names_of_variables(tmp_path):
         assert sorted(tunable) == ["max_step", "max_step_2", "qd_2"]
 
 
-def test_an_arm_called_as_a_file_of_the_fmu_is_refused():
+def test_no_arm_has_the_name_of_a_file_of_the_fmu():
+    for name in (*fmu.GLUE, *fmu.STANDARD[2], *fmu.STANDARD[3], "fmu_model.h"):
+        assert stem(Path(name).stem) == f"{Path(name).stem}_arm"
     arm = dataclasses.replace(mcgee.arms.planar_2r(), name="FMI2", made_by=None)
-    with pytest.raises(ValueError, match="robot 'FMI2' has the name of a file"):
-        FMU.files(unit(arm, FMU.functions, True, {}, arm.end_frame, False))
+    made = FMU.files(unit(arm, FMU.functions, True, {}, arm.end_frame, False))
+    assert "sources/FMI2_arm.c" in made
 
 
 # -- simulations ----------------------------------------------------------------------------------

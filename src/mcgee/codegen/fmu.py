@@ -105,17 +105,9 @@ def _readme(unit: Unit, binaries: bool) -> str:
 
 
 def sources(unit: Unit) -> Files:
-    """
-    Raises: ValueError: the arm's own files would have the names of others
-    """
     own = {f"{unit.name}.h": c.header_file(unit), f"{unit.name}.c": c.source(unit)}
     shared: Files = {name: text(name) for name in (*GLUE, *STANDARD[2], *STANDARD[3])}
     shared["fmu_model.h"] = model_header(unit)
-    if {name.lower() for name in own} & {name.lower() for name in shared}:
-        raise ValueError(
-            f"robot '{unit.robot.name}' has the name of a file that its FMU consists of. "
-            f"Give it another name."
-        )
     return shared | own
 
 

@@ -95,7 +95,7 @@ def tried(arm: Arm, function: str) -> bool:
         values, want, scale = numbers[: len(given)], numbers[len(given) : -1], numbers[-1]
         if k == 0 and arm.standard() != values[len(values) - len(arm.parameters) :]:
             print("parameters do not start with the values of the description")
-            return False
+            worst = math.inf
         arm.start(dict(zip(given, values, strict=True)))
         for got, wanted in zip(arm.result(output), want, strict=True):
             error = abs(got - wanted) / (scale * sys.float_info.epsilon)

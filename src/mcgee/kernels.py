@@ -18,7 +18,7 @@ from mcgee.jit.compile import compiled_row
 from mcgee.jit.door import door_type, hang, is_open, open_
 from mcgee.jit.ufunc import gufunc
 from mcgee.jit.ufunc import rollout as rollout_ufunc
-from mcgee.mechanism import Mechanism
+from mcgee.mechanism import Mechanism, friction
 
 
 class Robot(Protocol):
@@ -223,9 +223,9 @@ def _rollout(robot: Any, viscous: bool) -> tuple[np.ufunc, int]:
     key = ("rollout", (), viscous)
     with _lock:
         if key not in known:
-            friction = [float(j.viscous) * viscous for j in robot.independent_joints]
+            rubs = [b * viscous for b, _ in friction(robot.joints, robot.joint_names)]
             try:
-                program = build.trace_step(robot.mechanism, friction)
+                program = build.trace_step(robot.mechanism, rubs)
             except ZeroDivisionError:
                 raise ValueError(singular(robot, "forward_dynamics")) from None
             known[key] = rollout_ufunc(program), len(program.nodes)

@@ -113,6 +113,21 @@ def coordinate_of(joint: Joint, joints: dict[str, Joint]) -> tuple[str, Scalar, 
     return joint.name, multiplier, offset
 
 
+def friction(joints: Sequence[Joint], independent: Sequence[str]) -> list[tuple[float, float]]:
+    """(viscous, Coulomb) coefficients of independent joints, those that mimic them included.
+
+    A follower at m qd takes the powers b (m qd)² and c |m qd|: m² b and |m| c to its leader.
+    """
+    by_name = {joint.name: joint for joint in joints}
+    found = dict.fromkeys(independent, (0.0, 0.0))
+    for joint in joints:
+        if joint.moves:
+            leader, m, _ = coordinate_of(joint, by_name)
+            b, c = found[leader]
+            found[leader] = b + float(joint.viscous * m * m), c + float(joint.coulomb * abs(m))
+    return list(found.values())
+
+
 def reduce(
     links: Sequence[Link], joints: Sequence[Joint], frames: Sequence[Frame], gravity: Vec3
 ) -> Mechanism:

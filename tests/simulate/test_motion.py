@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
+import math
 import os
 import pty
 import subprocess
 import sys
+import warnings
 from importlib import resources
 
 import numpy as np
@@ -246,9 +248,10 @@ class Counting(Controller):
         return {"integral": z, "size": (q * q).sum(-1)}
 
 
-def test_a_controller_may_have_a_state():
+@pytest.mark.parametrize("method", METHODS)
+def test_a_controller_may_have_a_state(method):
     arm = mcgee.arms.planar_2r(plane="horizontal")
-    found = simulate(arm, [0.5, -0.2], [0, 0], 4.0, Counting())
+    found = simulate(arm, [0.5, -0.2], [0, 0], 4.0, Counting(), method=method)
     assert found.log["integral"].shape == (501, 2)
     assert found.log["size"].shape == (501,)
     integral = -np.trapezoid(found.q[:, 0], found.t)
@@ -344,10 +347,159 @@ def test_controllers_of_no_kind():
     arm = built_in("planar_2r")
     with pytest.raises(TypeError, match=r"controller is 3, expected one of mcgee\.control"):
         simulate(arm, [0, 0], [0, 0], 1.0, 3)
-    with pytest.raises(ValueError, match=r"controller Law gives tau of shape \(3,\)"):
-        simulate(arm, [0, 0], [0, 0], 1.0, lambda t, q, qd: [1, 2, 3])
-    with pytest.raises(ValueError, match=r"the disturbance gives shape \(3,\)"):
-        simulate(arm, [0, 0], [0, 0], 1.0, disturbance=lambda t, q, qd: [1, 2, 3])
+    for given in ([1, 2, 3], "abc", None, {}, [[1, 2], [3]], 1j):
+        for more in ({"controller": lambda *a, x=given: x}, {"disturbance": lambda *a, x=given: x}):
+            with pytest.raises(ValueError, match=r"gives .*, expected numbers of shape \(2,\) for"):
+                simulate(arm, [0, 0], [0, 0], 1.0, **more)
+    with pytest.raises(ValueError, match="Unready starts with a state of shape"):
+        simulate(arm, [0, 0], [0, 0], 1.0, Unready())
+
+
+class Unready(Controller):
+    def start(self, q, qd):
+        return 3.0
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize(
+    ("bad", "says"),
+    [
+        ({"controller": lambda t, q, qd: np.nan * q}, "Law gives nan for joint 'joint1' at t = 0"),
+        ({"controller": lambda t, q, qd: [0, np.inf]}, "Law gives inf for joint 'joint2' at t = 0"),
+        ({"disturbance": lambda t, q, qd: np.nan}, "the disturbance gives nan for joint 'joint1'"),
+        ({"qd0": [1e200, 0]}, "'joint1' runs away: its speed is beyond 10000 at t = 0 s"),
+        ({"controller": Controller()}, "has no effort"),
+    ],
+)
+def test_there_is_no_motion_from_such_a_start(method, bad, says):
+    """And no endless search for a first step."""
+    given = {"q0": [0.1, 0.2], "qd0": [0, 0], "duration": 1.0} | bad
+    with pytest.raises((ValueError, NotImplementedError), match=says):
+        simulate(built_in("planar_2r"), **given, method=method)
+
+
+@pytest.mark.parametrize("method", ["DOP853", "rk4"])
+def test_a_batch_that_fails_says_so(method):
+    arm = built_in("planar_2r")
+
+    def law(t, q, qd):
+        return np.where((q[..., :1] > 0.5) & (t > 0.05), np.nan, 0.0) + 0 * q
+
+    with pytest.raises(SimulationError, match="Law gives nan for joint 'joint1'") as caught:
+        simulate(arm, [[0.1, 0], [0.9, 0], [0, 0.1]], [0, 0], 0.2, law, method=method)
+    kept = caught.value.trajectory
+    assert not kept.complete
+    assert kept.status in str(caught.value)
+    assert kept.q.shape[0] == (2 if method == "DOP853" else 3)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("where", ["effort", "log", "names", "shapes"])
+def test_what_a_controller_does_later_keeps_what_there_is(method, where):
+    """By how often it was asked, not by the time, so that nothing can be asked again."""
+
+    class Tiring(Controller):
+        asked = logged = 0
+
+        def effort(self, t, q, qd, z):
+            self.asked += 1
+            if where == "effort" and self.asked > 400:
+                raise OSError("the sensor is gone")
+            return 0 * q
+
+        def log(self, t, q, qd, z):
+            self.logged += 1
+            if self.logged < 5:
+                return {"a": t}
+            if where == "log":
+                raise OSError("the disk is full")
+            return {"names": {"b": t}, "shapes": {"a": [t, t]}}.get(where, {"a": t})
+
+    arm, says = built_in("planar_2r"), {"effort": "sensor is gone", "log": "disk is full"}
+    with pytest.raises(SimulationError, match=says.get(where, "logs other names or shapes")) as got:
+        simulate(arm, [0.1, 0.2], [0, 0], 5.0, Tiring(), method=method, step=0.01, dt=0.01)
+    kept = got.value.trajectory
+    assert len(kept.log["a"]) == len(kept.t) == len(kept.tau) > 1
+
+
+@pytest.mark.parametrize("period", [0, -1, "x", math.nan, math.inf, 1e-12])
+def test_periods_that_are_none(period):
+    class Own(Controller):
+        def effort(self, t, q, qd, z):
+            return 0 * q
+
+    law = Own()
+    law.period = period
+    with pytest.raises(ValueError, match="period is"):
+        simulate(built_in("planar_2r"), [0, 0], [0, 0], 1.0, law)
+
+
+@pytest.mark.parametrize(
+    ("more", "says"),
+    [
+        ({"friction": "yes"}, "friction is 'yes', expected True, False or Friction"),
+        ({"stops": 5}, "stops is 5, expected True, False or Stops"),
+        ({"q0": np.zeros((0, 2))}, "there is no state to start from"),
+        ({"q0": ["a", 1]}, "q0 is .*, expected numbers"),
+        ({"q0": [1j, 0]}, "q0 is .*, expected numbers"),
+        ({"q0": [[0, 0], [0]]}, "q0 is .*, expected numbers"),
+    ],
+)
+def test_arguments_of_no_kind(more, says):
+    with pytest.raises(ValueError, match=says):
+        simulate(built_in("planar_2r"), **({"q0": [0, 0], "qd0": [0, 0], "duration": 1.0} | more))
+
+
+def test_settings_of_no_kind():
+    for make, says in (
+        (lambda: Friction(speed="x"), "speed of friction is 'x', expected numbers"),
+        (lambda: Stops(damping=None), "damping of stops is None, expected numbers"),
+        (lambda: Stops(stiffness=-1), "stiffness of stops is -1, expected a number, 0 or more"),
+    ):
+        with pytest.raises(ValueError, match=says):
+            make()
+
+
+def test_times_are_even_and_end_with_the_duration():
+    arm = built_in("planar_2r")
+    for duration, step, count in ((1.1, 0.1, 12), (1.0, 0.3, 5), (0.3, 0.1, 4)):
+        t = simulate(arm, [0, 0], [0, 0], duration, step=step).t
+        assert len(t) == count
+        assert t == pytest.approx(np.linspace(0, duration, count))
+
+
+def test_friction_of_followers_reaches_their_leader():
+    """A follower at m qd with b and c takes m² b qd² + |m c qd|."""
+    arm = random_tree(6, bodies=5, mimic=0.6)
+    follower = next(j for j in arm.joints if j.mimic is not None)
+    rubbed = arm.replace(viscous={follower.name: 0.5}, coulomb={follower.name: 0.2})
+    m, joint = 1.0, follower
+    while joint.mimic is not None:
+        m *= joint.mimic.multiplier
+        joint = next(j for j in arm.joints if j.name == joint.mimic.joint)
+    assert abs(m) not in (0, 1)
+    k = rubbed.joint_names.index(joint.name)
+    q, qd = np.full(arm.n, 0.2), np.full(arm.n, 0.7)
+    found = simulate(rubbed, q, qd, 0.01, friction=Friction(speed=1e-3))
+    want = np.zeros(arm.n)
+    want[k] = m * m * 0.5 * 0.7 + abs(m) * 0.2
+    assert found.friction[0] == pytest.approx(want)
+    rolled = mcgee.rollout(rubbed, q, qd, steps=10, dt=1e-3, viscous=True)
+    viscous = Friction(coulomb=False)
+    steps = simulate(rubbed, q, qd, 0.01, method="rk4", dt=1e-3, step=1e-3, friction=viscous)
+    assert rolled.q == pytest.approx(steps.q[1:], rel=1e-12)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_singular_pose_is_named(method):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", mcgee.ModelWarning)
+        arm = mcgee.arms.planar_2r(m1=0, I1=0, I2=0, lc1=0)
+    with pytest.raises(ValueError, match=r"M\(q\) is singular there, at q = \(0.3, 0\)"):
+        simulate(arm, [0.3, 0.0], [0, 0], 1.0, method=method)
+    with pytest.raises(SimulationError) as caught:
+        simulate(arm, [0.3, 0.5], [0, 2.0], 4.0, method=method, step=0.01)
+    assert caught.value.trajectory.t[-1] > 0.05
 
 
 @pytest.mark.parametrize("method", ["DOP853", "rk4"])
@@ -396,8 +548,6 @@ def test_what_a_controller_raises_keeps_what_there_is():
 
 
 def test_an_arm_that_nothing_moves_is_refused():
-    import warnings
-
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", mcgee.ModelWarning)
         arm = mcgee.arms.planar_2r(m2=0, I2=0)

@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from mcgee.control.gains import positive
+
 Array = np.ndarray
 
 
@@ -41,10 +43,11 @@ class Law(Controller):
     """A function tau(t, q, qd) as a controller."""
 
     def __init__(self, function: Callable[[float, Array, Array], Any], period: float | None = None):
-        self.function, self.period = function, period
+        self.function = function
+        self.period = None if period is None else positive("period", period, "s")
 
-    def effort(self, t: float, q: Array, qd: Array, z: Array) -> Array:
-        return np.asarray(self.function(t, q, qd), float)
+    def effort(self, t: float, q: Array, qd: Array, z: Array) -> Any:
+        return self.function(t, q, qd)
 
 
 def as_controller(given: Any) -> Controller | None:

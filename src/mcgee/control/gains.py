@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from mcgee.control.controller import Array
 from mcgee.robot import Robot
+
+Array = np.ndarray
 
 
 def joint_gain(robot: Robot, name: str, given: Any, *, positive: bool = False) -> Array:
@@ -104,10 +105,16 @@ def sampling(period: Any) -> float | None:
 
 
 def numbers(name: str, given: Any) -> Array:
+    """
+    Raises: ValueError: texts, None, truth values, lists of unlike lengths
+    """
     try:
-        return np.asarray(given, float)
+        array = np.asarray(given)
+        if array.dtype.kind in "iuf" or (array.dtype.kind == "O" and None not in array.ravel()):
+            return np.asarray(array, float)
     except (TypeError, ValueError):
-        raise ValueError(f"{name} is {given!r}, expected numbers.") from None
+        pass
+    raise ValueError(f"{name} is {given!r}, expected numbers.")
 
 
 def joint_vector(robot: Robot, name: str, given: Any) -> Array:

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
 from mcgee.control.controller import Array, Controller
-from mcgee.simulate.plant import Efforts, Plant
+from mcgee.simulate.plant import Efforts, Plant, usable
 
 BOOKS = ("work", "dissipated", "stopped", "disturbed")
 """Energies that are integrated with the motion, joint by joint."""
@@ -29,10 +28,17 @@ class Flow:
     states: int
     """Of the controller."""
     held: tuple[Array, Array] | None = field(default=None)
+    sampled: float | None = field(default=None)
+    """When the controller looked last."""
 
     @property
     def n(self) -> int:
         return self.plant.robot.n
+
+    @property
+    def period(self) -> float | None:
+        """Of the controller's samples [s]."""
+        return None if self.controller is None else self.controller.period
 
     def begin(self, q: Array, qd: Array, z: Array) -> Array:
         books = np.zeros((*q.shape[:-1], len(BOOKS) * self.n))
@@ -48,6 +54,9 @@ class Flow:
     def sample(self, t: float, y: Array) -> None:
         """Let a sampled controller look."""
         if self.controller is not None and self.controller.period is not None:
+            if t == self.sampled:
+                return
+            self.sampled = t
             q, qd, z, _ = self.apart(y)
             self.held = self._asked(t, q, qd, z), np.array(self.controller.slope(t, q, qd, z))
 
@@ -87,14 +96,6 @@ class Flow:
 
     def _asked(self, t: float, q: Array, qd: Array, z: Array) -> Array:
         assert self.controller is not None
-        tau: Any = np.asarray(self.controller.effort(t, q, qd, z), float)
-        if tau.shape != q.shape:
-            name = type(self.controller).__name__
-            try:
-                return np.broadcast_to(tau, q.shape)
-            except ValueError:
-                raise ValueError(
-                    f"controller {name} gives tau of shape {tau.shape}, expected {q.shape} for "
-                    f"robot '{self.plant.robot.name}'."
-                ) from None
-        return tau
+        who = f"controller {type(self.controller).__name__} gives"
+        given = self.controller.effort(t, q, qd, z)
+        return usable(who, given, self.plant.robot, t, q, qd)

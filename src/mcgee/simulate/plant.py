@@ -12,6 +12,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from mcgee.control.gains import numbers, positive, zero_or_more
+from mcgee.mechanism import friction
 from mcgee.robot import Robot
 
 Array = np.ndarray
@@ -36,8 +38,7 @@ class Friction:
     speed: float = 0.01
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.speed) and self.speed > 0):
-            raise ValueError(f"speed is {self.speed!r}, expected more than 0 rad/s.")
+        positive("speed of friction", self.speed, "rad/s")
 
 
 @dataclass(frozen=True)
@@ -56,10 +57,8 @@ class Stops:
     damping: float = 0.5
 
     def __post_init__(self) -> None:
-        for name in ("stiffness", "damping"):
-            value = getattr(self, name)
-            if not (np.isfinite(value) and value >= 0):
-                raise ValueError(f"{name} of stops is {value!r}, expected zero or more.")
+        zero_or_more("stiffness of stops", self.stiffness)
+        zero_or_more("damping of stops", self.damping)
 
 
 class Efforts(NamedTuple):
@@ -104,11 +103,7 @@ class Plant:
 
     @cached_property
     def _coefficients(self) -> tuple[Array, Array]:
-        joints = self.robot.independent_joints
-        viscous, coulomb = (
-            np.array([float(getattr(joint, what)) for joint in joints])
-            for what in ("viscous", "coulomb")
-        )
+        viscous, coulomb = np.array(friction(self.robot.joints, self.robot.joint_names)).T
         return viscous, coulomb
 
     def _rubbing(self, qd: Array) -> Array:
@@ -125,11 +120,32 @@ class Plant:
 
     def _disturbing(self, t: float, q: Array, qd: Array) -> Array:
         assert self.disturbance is not None
-        given = np.asarray(self.disturbance(t, q, qd), float)
-        try:
-            return np.broadcast_to(given, q.shape)
-        except ValueError:
-            raise ValueError(
-                f"the disturbance gives shape {given.shape}, expected {q.shape} for robot "
-                f"'{self.robot.name}'."
-            ) from None
+        given = self.disturbance(t, q, qd)
+        return usable("the disturbance gives", given, self.robot, t, q, qd)
+
+
+class EffortError(ValueError):
+    """A controller or a disturbance gives what is no effort."""
+
+
+def usable(who: str, given: Any, robot: Robot, t: float, q: Array, qd: Array) -> Array:
+    """Efforts (..., n) as numbers.
+
+    Args:
+        who: how the sentence begins
+    Raises: EffortError: no numbers, another shape, not finite though the state is
+    """
+    try:
+        efforts = np.broadcast_to(numbers(who, given), q.shape)
+    except ValueError:
+        shape = getattr(given, "shape", None)
+        what = repr(given) if shape is None else f"an array of shape {shape}"
+        raise EffortError(
+            f"{who} {what[:80]}, expected numbers of shape {q.shape} for robot '{robot.name}'."
+        ) from None
+    bad = ~np.isfinite(efforts)
+    if bad.any() and np.isfinite(q).all() and np.isfinite(qd).all():
+        what = efforts[bad][0]
+        joint = robot.joint_names[int(bad.reshape(-1, robot.n).any(0).argmax())]
+        raise EffortError(f"{who} {what} for joint '{joint}' at t = {t:.6g} s, expected a number.")
+    return efforts

@@ -30,6 +30,9 @@ rounding alone is left to change."""
 
 MOST_TURNS = 100
 
+NEARLY = 1e-12
+"""Of M's eigenvalues, the smallest over the largest below which M counts as singular."""
+
 
 class StepError(Exception):
     """An integrator cannot go on; its text says why."""
@@ -44,94 +47,109 @@ def adaptive(
     """
     from scipy import integrate
 
-    first = None
+    first, period = None, flow.period
     more = {"jac": flow.jacobian} if method in WITH_JACOBIAN else {}
-    samples = _samples(flow, times)
-    for t0, t1, inside in samples:
+    for t0, t1, inside in stretches(period, times):
         flow.sample(t0, y)
+        start = None if first is None else min(first, t1 - t0)
         solver: Any = getattr(integrate, method)(
-            flow, t0, y, t1, rtol=rtol, atol=atol, first_step=first, **more
+            flow, t0, y, t1, rtol=rtol, atol=atol, first_step=start, **more
         )
         march = _onto if method in EXPLICIT else _across
-        yield from march(solver, flow, list(inside), t1)
+        yield from march(solver, flow, inside.tolist(), t1)
         y = solver.y
-        if len(samples) > 1 and solver.step_size:
-            first = min(solver.step_size, _shortest(samples))
+        if period is not None and solver.step_size:
+            first = min(solver.step_size, period)
 
 
 def _onto(solver: Any, flow: Flow, inside: list[float], end: float) -> Iterator[Array]:
-    for t in [*inside, *([] if inside and inside[-1] == end else [end])]:
+    for k, t in enumerate(ends(inside, end)):
         solver.t_bound, solver.status = t, "running"
         while solver.status == "running":
             before = solver.h_abs
             _step(solver, flow)
         solver.h_abs = max(solver.h_abs, before)  # the last step was cut short
-        if t in inside:
+        if k < len(inside):
             yield solver.y
 
 
 def _across(solver: Any, flow: Flow, inside: list[float], end: float) -> Iterator[Array]:
+    k = 0
     while solver.status == "running":
         _step(solver, flow)
-        while inside and inside[0] < solver.t:
-            yield solver.dense_output()(inside.pop(0))
-        if inside and inside[0] == solver.t:
-            inside.pop(0)
+        while k < len(inside) and inside[k] < solver.t:
+            yield solver.dense_output()(inside[k])
+            k += 1
+        if k < len(inside) and inside[k] == solver.t:
             yield solver.y
+            k += 1
 
 
 def _step(solver: Any, flow: Flow) -> None:
     with np.errstate(all="ignore"):
         said = solver.step()
     if solver.status == "failed" or not np.isfinite(solver.y).all():
-        raise StepError(_why(solver.t, solver.y, said))
-    _check_speed(flow, solver.t, solver.y)
+        raise StepError(_why(flow, solver.t, solver.y, said))
+    check_speed(flow, solver.t, solver.y)
 
 
-def _check_speed(flow: Flow, t: float, y: Array) -> None:
+def check_speed(flow: Flow, t: float, y: Array) -> None:
     """Raises: StepError: a joint runs away, where steps would become ever smaller"""
     qd = flow.apart(y)[1]
     if abs(qd).max(initial=0) > FASTEST:
         k = int(abs(qd).reshape(-1, flow.n).max(0).argmax())
         raise StepError(
             f"joint '{flow.plant.robot.joint_names[k]}' runs away: its speed is beyond "
-            f"{FASTEST:g} at t = {t:.6g} s"
+            f"{FASTEST:g} at t = {t:.6g} s."
         )
 
 
-def _why(t: float, y: Array, said: str | None) -> str:
+def _why(flow: Flow, t: float, y: Array, said: str | None) -> str:
     if not np.isfinite(y).all():
-        return f"the state is not finite after t = {t:.6g} s"
-    largest = float(abs(y).max())
+        return f"the state is not finite after t = {t:.6g} s."
+    largest, reason = float(abs(y).max()), str(said or "no reason given").rstrip(".")
     return (
         f"the integrator cannot go on at t = {t:.6g} s, where the largest number of the state is "
-        f"{largest:.3g}: {str(said or 'no reason given').rstrip('.')}"
+        f"{largest:.3g}: {reason}.{singular(flow, y)}"
     )
 
 
-def _samples(flow: Flow, times: Array) -> list[tuple[float, float, Array]]:
-    """Stretches between the controller's samples, each with the times in it, its end included."""
-    period = flow.controller.period if flow.controller is not None else None
+def singular(flow: Flow, y: Array) -> str:
+    """A sentence where M(q) cannot be inverted, or hardly; else nothing."""
+    q = flow.apart(y)[0].reshape(-1, flow.n)
+    w = np.linalg.eigvalsh(flow.plant.robot.mass_matrix(q))
+    k = int((w[:, 0] / w[:, -1]).argmin())
+    if w[k, 0] > NEARLY * w[k, -1]:
+        return ""
+    listed = ", ".join(f"{x:.4g}" for x in q[k])
+    return f" M(q) is singular there, at q = ({listed}): some joint moves no inertia."
+
+
+def stretches(period: float | None, times: Array) -> Iterator[tuple[float, float, Array]]:
+    """From sample to sample, each with the times in it, its end included."""
     start, end = float(times[0]), float(times[-1])
     if period is None:
-        return [(start, end, times[1:])]
+        yield start, end, times[1:]
+        return
     count = max(1, int(np.ceil((end - start) / period * (1 - 1e-12))))
-    edges = [*(start + k * period for k in range(count)), end]
-    edges = [_snapped(edge, times) for edge in edges]
-    found = []
-    for a, b in pairwise(edges):
-        found.append((a, b, times[(times > a) & (times <= b)]))
-    return found
+    a, i = start, 1
+    for k in range(1, count + 1):
+        b = end if k == count else _snapped(start + k * period, times)
+        j = int(np.searchsorted(times, b, "right"))
+        yield a, b, times[i:j]
+        a, i = b, j
 
 
 def _snapped(edge: float, times: Array) -> float:
     """The time of the grid that an edge is, but for rounding."""
-    near = float(times[np.abs(times - edge).argmin()])
-    return near if abs(near - edge) <= 1e-9 * max(1.0, abs(edge)) else edge
+    k = int(np.searchsorted(times, edge))
+    near = min(times[max(k - 1, 0)], times[min(k, len(times) - 1)], key=lambda x: abs(x - edge))
+    return float(near) if abs(near - edge) <= 1e-9 * max(1.0, abs(edge)) else edge
 
 
-def _shortest(samples: list[tuple[float, float, Array]]) -> float:
-    return min(b - a for a, b, _ in samples)
+def ends(inside: list[float], end: float) -> list[float]:
+    """The times in a stretch and its end."""
+    return inside if inside and inside[-1] == end else [*inside, end]
 
 
 # -- fixed steps ----------------------------------------------------------------------------------
@@ -142,19 +160,19 @@ Advance = Callable[[Flow, float, Array, float], Array]
 def fixed(flow: Flow, y: Array, times: Array, method: str, dt: float) -> Iterator[Array]:
     """States at times[1:], by equal steps of at most dt between them and the samples."""
     advance = {"rk4": runge_kutta, "midpoint": midpoint}[method]
-    for t0, t1, inside in _samples(flow, times):
+    for t0, t1, part in stretches(flow.period, times):
         flow.sample(t0, y)
-        edges = [t0, *inside] if len(inside) and inside[-1] == t1 else [t0, *inside, t1]
-        for a, b in pairwise(edges):
+        inside = part.tolist()
+        for i, (a, b) in enumerate(pairwise([t0, *ends(inside, t1)])):
             count = max(1, int(np.ceil((b - a) / dt * (1 - 1e-9))))
             h = (b - a) / count
             for k in range(count):
                 with np.errstate(all="ignore"):
                     y = advance(flow, a + k * h, y, h)
             if not np.isfinite(y).all():
-                raise StepError(f"the state is not finite after t = {a:.6g} s")
-            _check_speed(flow, b, y)
-            if b in inside:
+                raise StepError(f"the state is not finite after t = {a:.6g} s.")
+            check_speed(flow, b, y)
+            if i < len(inside):
                 yield y
 
 
@@ -186,13 +204,18 @@ def midpoint(flow: Flow, t: float, y: Array, h: float) -> Array:
         force = _times(_turned(robot.coriolis_matrix(q, v)), v) - robot.gravity(q) + e.total
         new = _times(robot.mass_matrix_inverse(q), p0 + h / 2 * force)
         z = z0 + h / 2 * flow.controller_slope(t + h / 2, q, v, z)
+        if not np.isfinite(new).all():
+            raise StepError(f"the state is not finite after t = {t:.6g} s.{singular(flow, y)}")
         size = max(1e-3, abs(new).max(initial=0))
         change, v = abs(new - v).max(initial=0), new
         if change <= SETTLED * size or last <= change <= CLOSE * size:
             break
         last = change
     else:
-        raise StepError(f"the implicit step of {h:g} s does not settle at t = {t:.6g} s")
+        raise StepError(
+            f"the implicit step of {h:g} s does not settle at t = {t:.6g} s; take a shorter dt."
+            f"{singular(flow, y)}"
+        )
     q1 = q0 + h * v
     qd1 = _times(robot.mass_matrix_inverse(q1), p0 + h * force)
     powers = np.stack([x * v for x in (e.applied, e.friction, e.stops, e.disturbance)], axis=-2)

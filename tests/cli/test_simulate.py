@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import json
+import os
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -59,7 +62,61 @@ def test_files(tmp_path):
     assert "lost to friction" in done.stdout
 
 
+def test_degrees_and_lengths_are_shown_as_they_are_read(tmp_path):
+    done = run("scara", "--q", "10,20,0.1,30", "--degrees", "--duration", "0.1", cwd=tmp_path)
+    rows = [line.split() for line in done.stdout.splitlines() if line.startswith(" joint")]
+    assert [row[0] for row in rows] == ["joint1", "joint2", "joint3", "joint4"]
+    assert [float(row[1]) for row in rows[:2]] == [10, 20]
+    assert 0.1 < float(rows[2][1]) < 0.2
+    assert rows[0][-2:] == ["deg,", "N·m"]
+    assert rows[2][-2:] == ["m,", "N"]
+
+
+def test_what_is_not_installed_is_said_before_the_motion(tmp_path):
+    (tmp_path / "pyarrow.py").write_text("raise ModuleNotFoundError('no pyarrow', name='pyarrow')")
+    words = (sys.executable, "-m", "mcgee", "simulate", "planar_2r", "--duration", "1e9")
+    environment = os.environ | {"PYTHONPATH": str(tmp_path)}
+    done = subprocess.run(
+        [*words, "--step", "1e3", "-o", "run.parquet"],
+        cwd=tmp_path,
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert done.returncode == 2
+    assert "Parquet needs pyarrow: install mcgee[table]" in done.stderr
+
+
+def test_one_file_that_cannot_be_written_costs_no_other(tmp_path):
+    words = ("planar_2r", "--duration", "0.1", "--html", "/dev/full", "-o", "run.npz")
+    done = run(*words, cwd=tmp_path)
+    assert done.returncode == 2
+    assert "cannot write the page to '/dev/full'" in done.stderr
+    assert "mcgee: wrote run.npz" in done.stderr
+    assert "kinetic energy T" in done.stdout
+    with np.load(tmp_path / "run.npz") as kept:
+        assert str(kept["status"]) == "complete"
+        assert str(kept["robot"]) == "planar_2r"
+
+
+def test_ctrl_c_keeps_what_there_is(tmp_path):
+    words = [MCGEE, "simulate", "planar_2r", "--duration", "1e5", "--step", "1", "-o", "run.npz"]
+    started = subprocess.Popen(words, cwd=tmp_path, stdout=subprocess.PIPE, text=True)
+    time.sleep(6)
+    started.send_signal(signal.SIGINT)
+    said, _ = started.communicate(timeout=60)
+    assert started.returncode == 130
+    assert "interrupted" in said
+    with np.load(tmp_path / "run.npz") as kept:
+        assert str(kept["status"]) == "interrupted"
+        assert len(kept["t"]) > 1
+
+
 REFUSED = [
+    (("--duration", "1", "--rise", "1"), "--rise needs a --controller"),
+    (("--duration", "1", "--bandwidth", "1"), "--bandwidth needs a --controller"),
+    (("--duration", "1", "--html", "a.csv", "-o", "a.csv"), "both name 'a.csv'"),
     (("--duration", "0"), "duration is 0.0, expected a number above 0"),
     (("--duration", "1", "--q", "1"), "--q has 1 number, expected 2"),
     (("--duration", "1", "--target", "1,1"), "--target needs a --controller"),

@@ -129,6 +129,23 @@ def test_V_of_computed_torque_falls_with_measured_accelerations(name):
     assert found.log["least_inertia"].min() > 0
 
 
+def test_an_inertia_that_is_none_does_not_run_away():
+    """Estimates that make M̂ singular move no faster than the floor of its eigenvalues allows."""
+    motion = waves(TWO)
+    law = AdaptiveComputedTorque(
+        TWO, motion, 50, 14, 1.0, False, acceleration=accelerometer(TWO), bounds=(-np.inf, np.inf)
+    )
+    q, qd = motion.mean + 0.1, np.zeros(2)
+    thin = 1e-9 * TWO.inertial_parameters
+    M = TWO.with_parameters().mass_matrix(motion(0.0).q, TWO.inertial_parameters)
+    floor = 0.01 * np.linalg.eigvalsh(M).min()
+    d = motion(0.0)
+    filtered = d.qd - qd + law.psi * (d.q - q)
+    qdd = TWO.forward_dynamics(q, qd, law.effort(0.0, q, qd, thin))
+    change = TWO.regressor(q, qd, qdd).T @ filtered / floor
+    assert law.slope(0.0, q, qd, thin) == pytest.approx(change, rel=1e-6)
+
+
 def test_a_bound_stops_an_estimate():
     """And the rest learns on: dV/dt is no more than the theory's."""
     p = TWO.inertial_parameters

@@ -15,10 +15,12 @@ from mcgee.control import (
     ComputedTorque,
     Constant,
     EnergySwingUp,
+    Fourier,
     HybridForcePosition,
     InertiaWheelIDAPBC,
     OperationalSpace,
     PDGravity,
+    Quintic,
     Reference,
     SlotineLi,
     Wall,
@@ -133,6 +135,38 @@ def posed(rotation):
         (
             lambda: AdaptiveComputedTorque(TWO, [0, 0], 1, 1, 1.0, bounds=(0.5, 0.9)),
             "bounds of 'm of link1' are 0.5 and 0.9, expected to hold the first estimate, 1",
+        ),
+        (
+            lambda: AdaptiveComputedTorque(TWO, [0, 0], 1, 1, 1.0, bounds="x"),
+            r"bounds are 'x', expected \(lower, upper\), a number or \(24,\) each",
+        ),
+        (lambda: Quintic([0, 0], [1, 1], "x"), "the time of a point is 'x', expected numbers"),
+        (lambda: Quintic([0, 0], [1, 1], 1, qd0=[1, 2, 3]), "velocities of the points have shapes"),
+        (lambda: Quintic([0, 0], [1, 1], 1, via=[(0.5, [0, 0])]), r"expected \(t, q, qd\)"),
+        (lambda: Fourier([0, np.nan], [[1, 1]], [[1, 1]], 1), "numbers that are not finite"),
+        (lambda: Constant([0, np.nan]), "expected finite numbers, one for each joint"),
+        (lambda: Constant([0, 0, 0]).check(TWO.limits), "of 3 joints, and the limits are of 2"),
+        (lambda: excitation_gains(TWO, Constant([0, 0]), [], 1, 1.0), r"times have shape \(0,\)"),
+        (lambda: excitation_gains(TWO, [0, 0], [0.0], 1, 1.0), "expected one or more times and a"),
+        (
+            lambda: OperationalSpace(TWO, np.diag([1.0, 1, -1, 1]), 1, 1),
+            "a rotation that is none: R Rᵀ = 1 and det R = 1 are expected",
+        ),
+        (
+            lambda: OperationalSpace(TWO, np.diag([1.0, 1, 1, 5]), 1, 1),
+            r"the last row \[0. 0. 0. 5.\], expected 0, 0, 0, 1",
+        ),
+        (
+            lambda: OperationalSpace(TWO, lambda t: (X, X), 1, 1),
+            r"gives no \(position, velocity, acceleration\) at t = 0 s: not enough values",
+        ),
+        (
+            lambda: OperationalSpace(TWO, lambda t: (np.add(X, np.nan), X, X), 1, 1),
+            "that are not finite",
+        ),
+        (
+            lambda: AdaptiveComputedTorque(TWO, [0, 0], 100, 20, 1.0, period=0.012),
+            "bandwidth is 200 1/s, expected at most one in a period, 83.3333 1/s",
         ),
         (
             lambda: OperationalSpace(TWO, X, 1, 1, "hand"),

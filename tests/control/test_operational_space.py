@@ -189,6 +189,28 @@ def test_a_slanted_wall_of_a_ur5e():
     assert abs(found.log["error"][-1]).max() < 1e-4
 
 
+def test_force_acts_as_the_law_says(rng):
+    """f_c = f_d + ki z + kf (f_d − f), and z waits away from the surface."""
+    held = {"f": [0.0, 0.0, 3.0]}
+    law = HybridForcePosition(
+        panda(), AT_HOME[:3, 3], [0, 0, 1], 5.0, lambda q, qd: held["f"], 9.0, 6.0, 4.0, kf=0.5
+    )
+    none = HybridForcePosition(
+        panda(), AT_HOME[:3, 3], [0, 0, 1], 5.0, lambda q, qd: held["f"], 9.0, 6.0, 4.0
+    )
+    q, qd, z = HOME + 0.1 * rng.normal(size=7), rng.normal(size=7), np.array([0.3])
+    J = panda().jacobian(q)[2]
+    zero = np.zeros(1)
+    integral = none.effort(0.0, q, qd, z) - none.effort(0.0, q, qd, zero)
+    assert integral == pytest.approx(-J * 4.0 * 0.3)
+    proportional = law.effort(0.0, q, qd, z) - none.effort(0.0, q, qd, z)
+    assert proportional == pytest.approx(-J * 0.5 * (5.0 - 3.0))
+    assert law.slope(0.0, q, qd, z) == pytest.approx([2.0])
+    for away in ([0.0, 0.0, 0.0], [0.0, 0.0, -1.0]):
+        held["f"] = away
+        assert law.slope(0.0, q, qd, z) == pytest.approx([0.0])
+
+
 def test_walls_push_and_never_pull(rng):
     arm = mcgee.arms.planar_2r()
     wall = Wall(arm, [1.0, 0, 0], [-1, 0, 0], stiffness=100.0, damping=0.5)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 
 from chromium import found, tab
 from mcgee.simulate import simulate
+from mcgee.simulate.files import columns
 from robots import built_in
 
 
@@ -33,7 +35,23 @@ def test_csv(motion, tmp_path):
     assert names[:5] == ["t", "q_joint1", "q_joint2", "qd_joint1", "qd_joint2"]
     table = np.array([[float(x) for x in row.split(",")] for row in rows])
     assert np.array_equal(table[:, 0], motion.t)
-    assert np.array_equal(table[:, names.index("residual")], motion.residual)
+    for name, values in (
+        ("residual", motion.residual),
+        ("T", motion.kinetic),
+        ("P", motion.potential),
+        ("work_joint2", motion.work[:, 1]),
+        ("dissipated_joint2", motion.dissipated[:, 1]),
+    ):
+        assert np.array_equal(table[:, names.index(name)], values)
+
+
+def test_logs_hide_no_column(motion):
+    named = dataclasses.replace(motion, log={"t": 2 * motion.t, "T": motion.q})
+    table = columns(named)
+    assert np.array_equal(table["t"], motion.t)
+    assert np.array_equal(table["log_t"], 2 * motion.t)
+    assert np.array_equal(table["T"], motion.kinetic)
+    assert np.array_equal(table["T_2"], motion.q[:, 1])
 
 
 def test_parquet_and_data_frames(motion, tmp_path):

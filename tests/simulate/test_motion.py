@@ -265,7 +265,8 @@ def test_sampled_controllers_hold_their_effort(method):
     found = simulate(arm, [0.5, -0.2], [0, 0], 1.0, law, method=method, step=0.02)
     held = found.tau[1:].reshape(10, 5, 2)
     assert (held == held[:, :1]).all()
-    assert len(np.unique(found.tau[:, 0])) == 10
+    assert len(np.unique(found.tau[:, 0])) == law.asked == 10
+    assert (found.tau[0] == found.tau[1]).all()
 
 
 def test_sampling_fast_is_like_never_holding():

@@ -225,7 +225,7 @@ def simulate(
     controller: simulate_view.ControllerOption = "none",
     target: simulate_view.TargetOption = "",
     rise: simulate_view.RiseOption = None,
-    bandwidth: simulate_view.BandwidthOption = 10.0,
+    bandwidth: simulate_view.BandwidthOption = None,
     method: simulate_view.MethodOption = "DOP853",
     step: simulate_view.StepOption = None,
     dt: simulate_view.DtOption = 1e-3,
@@ -241,7 +241,7 @@ def simulate(
     with reported():
         arm = mcgee.load(robot)
         settings = {"method": method, "step": step, "dt": dt, "friction": friction}
-        settings |= {"stops": stops, "effort_limits": limits, "progress": sys.stderr.isatty()}
+        settings |= {"stops": stops, "effort_limits": limits}
         start = read_state(arm, q, qd, degrees=degrees)
         goal = read_state(arm, target, "", degrees=degrees).q if target else None
         wanted = simulate_view.Wanted(duration, controller, goal, rise, bandwidth, settings)

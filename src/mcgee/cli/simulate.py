@@ -13,8 +13,10 @@ import typer
 from rich import box
 from rich.console import Console
 from rich.table import Table
+from rich.text import Text
 
-from mcgee.cli.state import State
+from mcgee.cli.state import State, as_shown
+from mcgee.control.gains import positive
 from mcgee.robot import Robot
 from mcgee.typeset import aligned, number
 from mcgee.writing import check_place
@@ -39,7 +41,8 @@ RiseOption = Annotated[
     typer.Option("--rise", help="Seconds of the way to the target; half of the duration."),
 ]
 BandwidthOption = Annotated[
-    float, typer.Option("--bandwidth", help="Of the controller's errors [rad/s].")
+    float | None,
+    typer.Option("--bandwidth", help="Of the controller's errors [rad/s]; 10 by default."),
 ]
 MethodOption = Annotated[
     str,
@@ -64,8 +67,8 @@ OutputOption = Annotated[
     typer.Option("-o", "--output", metavar="FILE", help="Write .npz, .csv or .parquet."),
 ]
 
-WRONG = 1
-"""Exit code of a motion that could not go on."""
+WRONG, REFUSED, INTERRUPTED = 1, 2, 130
+"""Exit codes of motions that could not go on, of files that could not be written, and of Ctrl-C."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +77,7 @@ class Wanted:
     controller: str
     target: np.ndarray | None
     rise: float | None
-    bandwidth: float
+    bandwidth: float | None
     settings: dict[str, Any]
     """Of `mcgee.simulate`."""
 
@@ -121,6 +124,7 @@ CONTROLLERS: dict[str, Callable[[Robot, np.ndarray, Any, float], Controller]] = 
     "adaptive": _adaptive,
     "lqr": _lqr,
 }
+BANDWIDTH = 10.0
 SWING_UP = "swing-up"
 """The one that knows where to."""
 
@@ -137,34 +141,64 @@ def run(
     Raises: ValueError: an unknown controller, one without a target, a target beyond the limits
     """
     from mcgee.simulate import SimulationError, simulate
-    from mcgee.simulate.files import maker
 
-    for path in paths:
-        if path is not None:
-            check_place(path, "the motion")
-    if paths[1] is not None:
-        maker(paths[1])
+    _check_places(*paths)
     law, code = _law(robot, start.q, wanted), 0
     try:
         motion = simulate(robot, start.q, start.qd, wanted.duration, law, **wanted.settings)
     except SimulationError as error:
         typer.echo(f"mcgee: error: {error}", err=True)
         motion, code = error.trajectory, WRONG
+    if motion.status == "interrupted":
+        code = INTERRUPTED
     for path, save in zip(paths, (motion.to_html, motion.save), strict=True):
         if path is not None:
-            save(path)
-            typer.echo(f"mcgee: wrote {path}", err=True)
+            try:
+                save(path)
+            except ValueError as error:  # the other file and the report are still to come
+                typer.echo(f"mcgee: error: {error}", err=True)
+                code = REFUSED
+            else:
+                typer.echo(f"mcgee: wrote {path}", err=True)
     if as_json:
         print(json.dumps(motion.to_dict(), indent=1))
     else:
-        print_report(motion, wanted)
+        print_report(motion, wanted, start.degrees)
     return code
+
+
+def _check_places(html: Path | None, table: Path | None) -> None:
+    """What can be known before a long motion.
+
+    Raises:
+        ValueError: a file cannot be there, or has no known ending, or both are one
+        ModuleNotFoundError: what would write it is not installed
+    """
+    from mcgee.explain.look import plotly
+    from mcgee.simulate.files import maker, pyarrow
+
+    for path in (html, table):
+        if path is not None:
+            check_place(path, "the motion")
+    if table is not None:
+        maker(table)
+        if table.suffix == ".parquet":
+            pyarrow()
+    if html is not None:
+        plotly()
+        if table is not None and html.resolve() == table.resolve():
+            raise ValueError(f"--html and -o both name '{html}'; give each a file of its own.")
 
 
 def _law(robot: Robot, q: np.ndarray, wanted: Wanted) -> Controller | None:
     if wanted.controller == "none":
-        if wanted.target is not None:
-            raise ValueError(f"--target needs a --controller: {', '.join(CONTROLLERS)}.")
+        for option, value in (
+            ("--target", wanted.target),
+            ("--rise", wanted.rise),
+            ("--bandwidth", wanted.bandwidth),
+        ):
+            if value is not None:
+                raise ValueError(f"{option} needs a --controller: {', '.join(CONTROLLERS)}.")
         return None
     if wanted.controller == SWING_UP:
         if wanted.target is not None:
@@ -180,17 +214,32 @@ def _law(robot: Robot, q: np.ndarray, wanted: Wanted) -> Controller | None:
         raise ValueError(f"--controller {wanted.controller} needs a --target: joint positions.")
     from mcgee.control import Quintic
 
-    rise = wanted.duration / 2 if wanted.rise is None else wanted.rise
+    rise = wanted.duration / 2 if wanted.rise is None else positive("--rise", wanted.rise, "s")
+    w = BANDWIDTH if wanted.bandwidth is None else positive("--bandwidth", wanted.bandwidth, "1/s")
+    for option, place in (("--q", q), ("--target", wanted.target)):
+        _check_limits(robot, option, place)
     reference = Quintic(q, wanted.target, rise)
     reference.check(robot.limits, robot.joint_names)
-    return make(robot, wanted.target, reference, wanted.bandwidth)
+    return make(robot, wanted.target, reference, w)
 
 
-def print_report(motion: Trajectory, wanted: Wanted) -> None:
+def _check_limits(robot: Robot, option: str, q: np.ndarray) -> None:
+    """Raises: ValueError: a joint is beyond its limits"""
+    for name, x, lower, upper in zip(
+        robot.joint_names, q, robot.limits.lower, robot.limits.upper, strict=True
+    ):
+        if not lower <= x <= upper:
+            raise ValueError(
+                f"{option} puts joint '{name}' at {x:.6g}, expected {lower:.6g} to {upper:.6g}, "
+                f"its limits; other joints of {option} are zero where they are not named."
+            )
+
+
+def print_report(motion: Trajectory, wanted: Wanted, degrees: bool = False) -> None:
     console = Console(highlight=False)
     steps = f"{motion.t[-1]:g} s in {len(motion.t)} times, {motion.status}"
     console.print(f"{motion.robot.name}: {steps}", markup=False)
-    console.print(_joints(motion, wanted))
+    console.print(_joints(motion, wanted, degrees))
     console.print(_ledger(motion))
     lost = float(abs(motion.residual).max())
     console.print(
@@ -199,17 +248,20 @@ def print_report(motion: Trajectory, wanted: Wanted) -> None:
     )
 
 
-def _joints(motion: Trajectory, wanted: Wanted) -> Table:
-    columns = {"q": motion.q[-1], "qd": motion.qd[-1], "largest |tau|": abs(motion.tau).max(0)}
+def _joints(motion: Trajectory, wanted: Wanted, degrees: bool) -> Table:
+    shown, units = as_shown(motion.robot, degrees)
+    columns = {"q": motion.q[-1] * shown, "qd /s": motion.qd[-1] * shown}
+    columns["max |tau|"] = abs(motion.tau).max(0)
     if wanted.target is not None:
-        columns["from the target"] = motion.q[-1] - wanted.target
+        columns["off target"] = (motion.q[-1] - wanted.target) * shown
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     table.add_column("at the end")
     for name in columns:
         table.add_column(name, justify="right")
+    table.add_column("unit")
     cells = [aligned(column) for column in columns.values()]
-    for name, *row in zip(motion.robot.joint_names, *cells, strict=True):
-        table.add_row(name, *row)
+    for name, *row in zip(motion.robot.joint_names, *cells, map(", ".join, units), strict=True):
+        table.add_row(Text(name), *row)
     return table
 
 

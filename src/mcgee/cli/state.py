@@ -30,6 +30,14 @@ def read_state(robot: Robot, q: str, qd: str, qdd: str = "", *, degrees: bool = 
     return State(values[0], values[1], values[2], degrees)
 
 
+def as_shown(robot: Robot, degrees: bool) -> tuple[np.ndarray, list[tuple[str, str]]]:
+    """What positions and velocities are multiplied with for people; units of position, effort."""
+    turns = np.array([joint.kind != "prismatic" for joint in robot.independent_joints])
+    angle = "deg" if degrees else "rad"
+    units = [(angle, "N·m") if turn else ("m", "N") for turn in turns]
+    return np.where(turns & degrees, 180 / math.pi, 1.0), units
+
+
 def _numbers(robot: Robot, option: str, text: str) -> np.ndarray:
     """(n,) from '1,2,3' or 'joint=1,other=2'; zeros from nothing."""
     values = np.zeros(robot.n)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 
 import numpy as np
 from rich import box
@@ -11,7 +10,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from mcgee.cli.state import State
+from mcgee.cli.state import State, as_shown
 from mcgee.robot import Robot, Terms
 from mcgee.typeset import aligned
 
@@ -57,13 +56,10 @@ def _state_table(robot: Robot, state: State, terms: Terms) -> Table:
     for title in ("", "joint", "q", "qd", "C qd", "g", "unit"):
         table.add_column(title, justify="left" if title in ("joint", "unit") else "right")
     joints = robot.independent_joints
-    turns = np.array([joint.kind != "prismatic" for joint in joints])
-    shown = np.where(turns & state.degrees, 180 / math.pi, 1.0)
+    shown, units = as_shown(robot, state.degrees)
     columns = (state.q * shown, state.qd * shown, terms.Cqd, terms.g)
-    angle = "deg" if state.degrees else "rad"
     for i, row in enumerate(zip(*(aligned(column) for column in columns), strict=True)):
-        unit = f"{angle}, {angle}/s, N·m" if turns[i] else "m, m/s, N"
-        table.add_row(str(i + 1), Text(joints[i].name), *row, unit)
+        table.add_row(str(i + 1), Text(joints[i].name), *row, "{0}, {0}/s, {1}".format(*units[i]))
     return table
 
 

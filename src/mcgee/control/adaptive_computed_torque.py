@@ -9,7 +9,7 @@ import numpy as np
 
 from mcgee.control.controller import Array, Controller
 from mcgee.control.following import joint_reference
-from mcgee.control.gains import gain, joint_gain, positive, sampling
+from mcgee.control.gains import gain, joint_gain, numbers, positive, sampling
 from mcgee.control.linear import dot, times, turned
 from mcgee.control.regressor import Unknowns
 from mcgee.robot import Robot
@@ -44,7 +44,7 @@ class AdaptiveComputedTorque(Controller):
         bounds: (lower, upper) of the parameters, numbers or (m,) each; None for half of the first
             estimates more or less (`around`), and friction not negative
         acceleration: f(t, q, qd, tau) -> qdd as measured (..., n); None for the estimate
-        bandwidth: of the estimate [1/s]
+        bandwidth: of the estimate, at most 1 in a period [1/s]
         friction_speed: of the regularised Coulomb friction [rad/s | m/s]
         true_parameters: p (..., m), for the log alone
         period: between samples [s]; None for a continuous law
@@ -89,6 +89,11 @@ class AdaptiveComputedTorque(Controller):
         given = true_parameters
         self.truth = None if given is None else known.checked("true_parameters", given)
         self.period = sampling(period)
+        if acceleration is None and self.period and self.bandwidth * self.period > 1:
+            raise ValueError(
+                f"bandwidth is {self.bandwidth:g} 1/s, expected at most one in a period, "
+                f"{1 / self.period:g} 1/s: the estimate of qdd would run away."
+            )
         M = self._inertia(self.reference(0.0).q, known.described)
         self.floor = LEAST_INERTIA * float(np.linalg.eigvalsh(M).min())
 
@@ -156,7 +161,12 @@ def around(unknowns: Unknowns, share: float) -> tuple[Array, Array]:
 
 def _bounds(unknowns: Unknowns, given: tuple[Any, Any]) -> tuple[Array, Array]:
     p = unknowns.described
-    lower, upper = (np.broadcast_to(np.asarray(x, float), p.shape) for x in given)
+    try:
+        lower, upper = (np.broadcast_to(numbers("bounds", x), p.shape) for x in given)
+    except (TypeError, ValueError) as error:
+        raise ValueError(
+            f"bounds are {given!r}, expected (lower, upper), a number or {p.shape} each."
+        ) from error
     outside = ~((lower <= p) & (p <= upper))
     if outside.any():
         k = int(outside.argmax())

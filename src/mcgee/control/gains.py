@@ -133,6 +133,19 @@ def joint_vector(robot: Robot, name: str, given: Any) -> Array:
     return array
 
 
+def finite(name: str, given: Any, shape: tuple[int, ...], what: str = "numbers") -> Array:
+    """Finite numbers, of which the last dimensions are of this shape.
+
+    Raises: ValueError: another shape, or not finite
+    """
+    array = numbers(name, given)
+    if array.shape[array.ndim - len(shape) :] != shape or array.ndim < len(shape):
+        raise ValueError(f"{name} has shape {array.shape}, expected {shape}: {what}.")
+    if not np.isfinite(array).all():
+        raise ValueError(f"{name} holds {array[~np.isfinite(array)][0]}, expected finite numbers.")
+    return array
+
+
 def unit(name: str, given: Any) -> Array:
     """A direction (3,).
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from mcgee.control.controller import Array, Controller
-from mcgee.control.gains import joint_gain, positive, sampling, unit, zero_or_more
+from mcgee.control.gains import finite, joint_gain, positive, sampling, unit, zero_or_more
 from mcgee.control.linear import dot, times, turned
 from mcgee.control.operational_space import task_gains
 from mcgee.control.task import Frame, Task, task_inertia
@@ -92,7 +92,8 @@ class HybridForcePosition(Controller):
 
     def measured(self, q: Array, qd: Array) -> Array:
         """f (...) [N]"""
-        return dot(np.asarray(self.sensor(q, qd), float), self.normal)
+        force = self.sensor(q, qd)
+        return dot(finite("the sensor's force", force, (3,), "along x, y, z [N]"), self.normal)
 
     def effort(self, t: float, q: Array, qd: Array, z: Array) -> Array:
         now, n = self.task.motion(t, q, qd), self.along

@@ -18,6 +18,12 @@ BALANCE = 1e-6
 RANK = 1e-9
 """Relative singular value below which a mode cannot be reached."""
 
+NEAR = 64
+"""Directions that are looked at more closely."""
+
+SPREADS = (0.5, 0.4, 0.3, 0.2, 0.15, 0.1, 0.07, 0.05)
+"""How far about them, relative to the size of a coordinate."""
+
 
 class LQR(Controller):
     """tau = tau_0 − K x with x = (q − q_0, qd): least ∫ xᵀ Q x + uᵀ R u about (q_0, 0).
@@ -99,20 +105,35 @@ class LQR(Controller):
     def safe_level(self, directions: int = 4096, seed: int = 0) -> float:
         """The largest V below which the arm's own dV/dt is negative, by samples.
 
-        From every one of many directions outwards until dV/dt ≥ 0 or an angle is half a turn off;
-        a finding, not a proof. Actuators are taken to give what the law asks for.
+        From every one of many directions outwards until dV/dt ≥ 0 or an angle is half a turn off,
+        and again from directions beside those where it is the closest: a finding, not a proof.
+        Actuators are taken to give what the law asks for. Joints that do not turn all the way are
+        followed a thousand radians or metres far.
         """
-        n = self.robot.n
-        x = np.random.default_rng(seed).normal(size=(directions, 2 * n))
-        x /= np.sqrt(quadratic(x, self.P))[:, None]  # V = 1
+        n, random = self.robot.n, np.random.default_rng(seed)
+        x = self._on_the_level(random.normal(size=(directions, 2 * n)))
         far = abs(x[:, :n])[:, self.turning].max(initial=0.0)
-        reach = 0.999 * math.pi / far if far else 1e3
-        level = 0.0
-        for r in reach * np.geomspace(1e-3, 1.0, 300):
+        reach = 0.999 * math.pi / far if far else 1e3 / abs(x[:, :n]).max()
+        r = self._reached(x, reach * np.geomspace(1e-6, 1.0, 600))
+        for spread in SPREADS:
+            closest = np.argsort(self._rate(self.q + r * x[:, :n], r * x[:, n:]))[-NEAR:]
+            around = random.normal(size=(directions // NEAR, NEAR, 2 * n)) * abs(x).mean(0) * spread
+            x = self._on_the_level(np.concatenate([x[closest], *(x[closest] + around)]))
+            r = self._reached(x, r * np.geomspace(1e-2, 1.0, 60))
+        return float(r * r)
+
+    def _on_the_level(self, x: Array) -> Array:
+        """Scaled to V = 1."""
+        return np.asarray(x / np.sqrt(quadratic(x, self.P))[:, None])
+
+    def _reached(self, x: Array, radii: Array) -> float:
+        """The last of growing radii up to which dV/dt is negative in all directions."""
+        n, last = self.robot.n, 0.0
+        for r in radii:
             if not (self._rate(self.q + r * x[:, :n], r * x[:, n:]) < 0).all():
                 break
-            level = float(r * r)
-        return level
+            last = float(r)
+        return last
 
     def _rate(self, q: Array, qd: Array) -> Array:
         """dV/dt of the arm under the law."""

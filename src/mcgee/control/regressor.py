@@ -146,7 +146,13 @@ def excitation_gains(
     """
     known = Unknowns(robot, friction, friction_speed)
     stiff = joint_gain(robot, "kd", kd, positive=True)
-    found = [np.asarray(x, float) for x in reference(numbers("times", times))]
+    when = numbers("times", times)
+    if when.ndim != 1 or not when.size or not callable(reference):
+        raise ValueError(
+            f"times have shape {when.shape} and reference is {reference!r}, expected one or more "
+            f"times and a reference of mcgee.control."
+        )
+    found = [np.asarray(x, float) for x in reference(when)]
     q, qd, qdd = (joint_vector(robot, "reference", x) for x in found)
     shown = known.regressor(q, qd, qdd) * known.scales / np.sqrt(stiff)[:, None]
     rows = shown.reshape(-1, len(known.scales))

@@ -139,9 +139,9 @@ class Tuning(NamedTuple):
 TUNED = {
     "acrobot": Tuning(
         (math.pi / 2, 0.0),
-        (100.0, 100.0, 1.0, 1.0),
-        0.1,
-        {"kp": 30.0, "kd": 10.0, "push": -60.0, "energy": 5.0, "speed": 0.2, "kv": 1.0},
+        (100.0, 100.0, 10.0, 10.0),
+        0.01,
+        {"kp": 30.0, "kd": 10.0, "push": -60.0, "energy": 5.0, "speed": 0.2, "kv": 0.5},
     ),
     "pendubot": Tuning(
         (math.pi / 2, 0.0),

@@ -94,10 +94,10 @@ class Task:
                 f"the reference gives shapes {shapes}, expected (3,), (3,), (3,) for a position "
                 f"or (4, 4), (6,), (6,) for a pose."
             )
+        if not all(np.isfinite(x).all() for x in first):
+            raise ValueError("the reference holds numbers at t = 0 that are not finite.")
         if self.posed:
-            R = first[0][..., :3, :3]
-            if not np.allclose(R @ turned(R), np.eye(3), atol=1e-6):
-                raise ValueError("the reference's pose has a rotation that is none: R Rᵀ is not 1.")
+            _check_pose(first[0])
         self.axes = AXES[:k]
 
     def motion(self, t: float, q: Array, qd: Array) -> Motion:
@@ -114,12 +114,31 @@ class Task:
         return Motion(error, v - times(J, qd), a, J, drift)
 
 
+def _check_pose(T: Array) -> None:
+    """Raises: ValueError: no rotation, or another last row than 0, 0, 0, 1"""
+    R = T[..., :3, :3]
+    if not (np.allclose(R @ turned(R), np.eye(3), atol=1e-6) and (np.linalg.det(R) > 0).all()):
+        raise ValueError(
+            "the reference's pose has a rotation that is none: R Rᵀ = 1 and det R = 1 are expected."
+        )
+    if not np.allclose(T[..., 3, :], [0, 0, 0, 1], atol=1e-6):
+        raise ValueError(
+            f"the reference's pose has the last row {T[..., 3, :]}, expected 0, 0, 0, 1."
+        )
+
+
 def _task_reference(given: Any) -> Callable[[float], tuple[Array, Array, Array]]:
     if callable(given):
 
         def reference(t: float) -> tuple[Array, Array, Array]:
-            x, v, a = given(t)
-            return np.asarray(x, float), np.asarray(v, float), np.asarray(a, float)
+            try:
+                x, v, a = given(t)
+            except (TypeError, ValueError) as error:
+                raise ValueError(
+                    f"the reference gives no (position, velocity, acceleration) at t = {t:.6g} s: "
+                    f"{error}."
+                ) from error
+            return tuple(numbers("the reference", part) for part in (x, v, a))  # type: ignore
 
         return reference
     target = numbers("target", given)

@@ -12,6 +12,8 @@ import numpy as np
 from mcgee.writing import write_whole
 
 if TYPE_CHECKING:
+    from types import ModuleType
+
     import pandas
 
     from mcgee.simulate.trajectory import Trajectory
@@ -41,7 +43,8 @@ def columns(trajectory: Trajectory) -> dict[str, np.ndarray]:
     for name, array in trajectory.log.items():
         flat = array.reshape(len(trajectory.t), -1)
         for k in range(flat.shape[1]):
-            found[name if array.ndim == 1 else f"{name}_{k + 1}"] = flat[:, k]
+            column = name if array.ndim == 1 else f"{name}_{k + 1}"
+            found[f"log_{column}" if column in found else column] = flat[:, k]
     return found
 
 
@@ -85,6 +88,7 @@ def _npz(trajectory: Trajectory) -> bytes:
     arrays: dict[str, Any] = {name: getattr(trajectory, name) for name in ARRAYS}
     arrays |= {f"log_{name}": value for name, value in trajectory.log.items()}
     arrays["joints"] = np.array(trajectory.robot.joint_names)
+    arrays |= {"robot": np.array(trajectory.robot.name), "status": np.array(trajectory.status)}
     buffer = io.BytesIO()
     np.savez_compressed(buffer, **arrays)
     return buffer.getvalue()
@@ -99,13 +103,18 @@ def _csv(trajectory: Trajectory) -> bytes:
 
 def _parquet(trajectory: Trajectory) -> bytes:
     table = columns(trajectory)
+    pa, buffer = pyarrow(), io.BytesIO()
+    pa.parquet.write_table(pa.table(table), buffer)
+    return buffer.getvalue()
+
+
+def pyarrow() -> ModuleType:
+    """Loaded when the first Parquet file is asked for."""
     try:
-        import pyarrow as pa
-        import pyarrow.parquet as parquet
+        import pyarrow
+        import pyarrow.parquet
     except ModuleNotFoundError as missing:
         raise ModuleNotFoundError(
             "Parquet needs pyarrow: install mcgee[table].", name=missing.name
         ) from missing
-    buffer = io.BytesIO()
-    parquet.write_table(pa.table(table), buffer)
-    return buffer.getvalue()
+    return pyarrow

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from mcgee.control.controller import Array
-from mcgee.control.gains import positive, zero_or_more
+from mcgee.control.gains import numbers, positive, zero_or_more
 from mcgee.control.references.reference import Desired, Reference
 
 GRID = 64
@@ -29,14 +29,16 @@ class Fourier(Reference):
     """
 
     def __init__(self, mean: Any, sine: Any, cosine: Any, frequency: float, ramp: float = 0.0):
-        self.mean = np.array(mean, float)
-        self.sine, self.cosine = np.array(sine, float), np.array(cosine, float)
+        self.mean = numbers("mean", mean)
+        self.sine, self.cosine = numbers("sine", sine), numbers("cosine", cosine)
         shape = (len(np.atleast_1d(self.sine)), *self.mean.shape)
         if self.mean.ndim != 1 or self.sine.shape != shape or self.cosine.shape != shape:
             raise ValueError(
                 f"mean, sine and cosine have shapes {self.mean.shape}, {self.sine.shape} and "
                 f"{self.cosine.shape}, expected (n,), (harmonics, n) and (harmonics, n)."
             )
+        if not all(np.isfinite(x).all() for x in (self.mean, self.sine, self.cosine)):
+            raise ValueError("mean, sine and cosine hold numbers that are not finite.")
         self.omega = 2 * np.pi * positive("frequency", frequency, "Hz")
         self.ramp = zero_or_more("ramp", ramp, "s")
         self.k = np.arange(1, shape[0] + 1)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from mcgee.control.controller import Array
-from mcgee.control.gains import numbers
+from mcgee.control.gains import number, numbers
 from mcgee.control.references.reference import Desired, Reference
 
 
@@ -83,13 +83,18 @@ class Quintic(Polynomials):
         qd1: Any = 0.0,
         via: Sequence[tuple[float, Any, Any]] = (),
     ):
+        for point in via:
+            if not isinstance(point, Sequence) or len(point) != 3:
+                raise ValueError(f"via holds {point!r}, expected (t, q, qd).")
         points = [(0.0, q0, qd0), *via, (duration, q1, qd1)]
-        knots = np.array([float(t) for t, _, _ in points])
+        knots = np.array([number("the time of a point", t) for t, _, _ in points])
         if not (np.isfinite(knots).all() and (np.diff(knots) > 0).all()):
             listed = ", ".join(f"{t:g}" for t in knots)
             raise ValueError(f"the times of the points are {listed} s, expected growing ones.")
         q = _alike("positions of the points", [q for _, q, _ in points])
-        qd = _alike("velocities of the points", [np.zeros(q.shape[1]) + v for _, _, v in points])
+        rates = [numbers("velocities of the points", v) for _, _, v in points]
+        rates = [np.broadcast_to(v, q.shape[1]) if v.ndim == 0 else v for v in rates]
+        qd = _alike("velocities of the points", [q[0], *rates])[1:]
         h = np.diff(knots)[:, None]
         step, v0, v1 = np.diff(q, axis=0), qd[:-1] * h, qd[1:] * h
         rising = (q[:-1], v0, 0 * step, 10 * step - 6 * v0 - 4 * v1)

@@ -1,7 +1,7 @@
 """What a reference is, and whether it keeps to the limits of an arm.
 
 A reference is called with a time or an array of times (...) [s] and gives (q, qd, qdd), (..., n)
-each. Before its start and after its end it stands still.
+each. Where it has a start and an end, it stands still before and after.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mcgee.control.controller import Array
+from mcgee.control.gains import numbers
 from mcgee.robot import Limits
 
 
@@ -63,6 +64,11 @@ class Reference:
         Raises: ValueError: the first joint that leaves its limits: value, limit and time
         """
         q, qd = self.extremes(0), self.extremes(1)
+        if q.lowest.shape != limits.lower.shape:
+            raise ValueError(
+                f"the reference is one of {q.lowest.shape[-1]} joints, and the limits are of "
+                f"{len(limits.lower)}."
+            )
         below, above = q.lowest < limits.lower, q.highest > limits.upper
         slow, fast = qd.lowest < -limits.velocity, qd.highest > limits.velocity
         for bad, value, t, limit, what in (
@@ -84,7 +90,9 @@ class Constant(Reference):
     """A position to hold (..., n)."""
 
     def __init__(self, q: Any):
-        self.q = np.array(q, float)
+        self.q = numbers("q", q)
+        if not self.q.ndim or not np.isfinite(self.q).all():
+            raise ValueError(f"q is {q!r}, expected finite numbers, one for each joint.")
 
     @property
     def duration(self) -> float:

@@ -44,7 +44,7 @@ MAY_IMPORT = {
     ],
     "audit": ["robot"],
     "control": ["kernels", "mechanism", "model", "robot"],
-    "simulate": ["control", "explain", "kernels", "robot", "typeset", "writing"],
+    "simulate": ["control", "explain", "kernels", "mechanism", "robot", "typeset", "writing"],
     "cli": [  # algorithms: classic ones
         *("algorithms", "audit", "build", "closed_form", "codegen", "control", "explain"),
         *("kernels", "robot", "simulate", "typeset", "writing"),

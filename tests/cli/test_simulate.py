@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import json
 import os
-import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
@@ -101,16 +99,30 @@ def test_one_file_that_cannot_be_written_costs_no_other(tmp_path):
 
 
 def test_ctrl_c_keeps_what_there_is(tmp_path):
-    words = [MCGEE, "simulate", "planar_2r", "--duration", "1e5", "--step", "1", "-o", "run.npz"]
-    started = subprocess.Popen(words, cwd=tmp_path, stdout=subprocess.PIPE, text=True)
-    time.sleep(6)
-    started.send_signal(signal.SIGINT)
-    said, _ = started.communicate(timeout=60)
-    assert started.returncode == 130
-    assert "interrupted" in said
+    """Pressed when three states are there; shells may have let it be ignored."""
+    program = (
+        "import os, signal, sys\n"
+        "from mcgee.cli.app import main\n"
+        "import mcgee.simulate.run\n"
+        "run = sys.modules['mcgee.simulate.run']\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+        "kept = run._Run._keep\n"
+        "def keep(self, y):\n"
+        "    kept(self, y)\n"
+        "    if len(self.states) == 3:\n"
+        "        os.kill(os.getpid(), signal.SIGINT)\n"
+        "run._Run._keep = keep\n"
+        "sys.argv = ['mcgee', 'simulate', 'planar_2r', '--duration', '1', '-o', 'run.npz']\n"
+        "main()\n"
+    )
+    words = [sys.executable, "-c", program]
+    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 130
+    assert "interrupted" in done.stdout
+    assert done.stderr.strip() == "mcgee: wrote run.npz"
     with np.load(tmp_path / "run.npz") as kept:
         assert str(kept["status"]) == "interrupted"
-        assert len(kept["t"]) > 1
+        assert len(kept["t"]) == 3
 
 
 REFUSED = [

@@ -75,12 +75,6 @@ class AdaptiveComputedTorque(Controller):
         self.robot, self.reference = robot, joint_reference(robot, reference)
         self.kp, self.kd = joint_gain(robot, "kp", kp), joint_gain(robot, "kd", kd)
         self.psi = joint_gain(robot, "psi", self.kd / 2 if psi is None else psi, positive=True)
-        if not (self.psi < self.kd).all():
-            k = int((self.psi >= self.kd).argmax())
-            raise ValueError(
-                f"psi of joint '{robot.joint_names[k]}' is {self.psi[k]:g}, expected less than kd, "
-                f"which is {self.kd[k]:g}."
-            )
         self.unknowns = known = Unknowns(robot, friction, friction_speed)
         of = f"robot '{robot.name}'"
         self.gains = gain(of, "gains", gains, known.names, "parameter", positive=True)
@@ -89,13 +83,22 @@ class AdaptiveComputedTorque(Controller):
         given = true_parameters
         self.truth = None if given is None else known.checked("true_parameters", given)
         self.period = sampling(period)
-        if acceleration is None and self.period and self.bandwidth * self.period > 1:
+        self._check()
+        M = self._inertia(self.reference(0.0).q, known.described)
+        self.floor = LEAST_INERTIA * float(np.linalg.eigvalsh(M).min())
+
+    def _check(self) -> None:
+        if not (self.psi < self.kd).all():
+            k = int((self.psi >= self.kd).argmax())
+            raise ValueError(
+                f"psi of joint '{self.robot.joint_names[k]}' is {self.psi[k]:g}, expected less "
+                f"than kd, which is {self.kd[k]:g}."
+            )
+        if self.acceleration is None and self.period and self.bandwidth * self.period > 1:
             raise ValueError(
                 f"bandwidth is {self.bandwidth:g} 1/s, expected at most one in a period, "
                 f"{1 / self.period:g} 1/s: the estimate of qdd would run away."
             )
-        M = self._inertia(self.reference(0.0).q, known.described)
-        self.floor = LEAST_INERTIA * float(np.linalg.eigvalsh(M).min())
 
     def start(self, q: Array, qd: Array) -> Array:
         p = self.unknowns.described

@@ -9,6 +9,10 @@ from peers import AbsentError
 FLAGS = ("-O3", "-march=native", "-DNDEBUG", "-shared", "-fPIC", "-w")
 
 
+NEWEST = range(24, 14, -1)
+"""Versions of clang, tried from the newest down: for Pinocchio too it makes the faster code."""
+
+
 def found(*names: str) -> str:
     for name in names:
         if shutil.which(name):
@@ -17,11 +21,11 @@ def found(*names: str) -> str:
 
 
 def cpp() -> str:
-    return found("clang++", "clang++-19", "clang++-18", "clang++-14", "g++")
+    return found(*(f"clang++-{version}" for version in NEWEST), "clang++", "g++")
 
 
 def c() -> str:
-    return found("clang", "clang-19", "clang-18", "clang-14", "gcc")
+    return found(*(f"clang-{version}" for version in NEWEST), "clang", "gcc")
 
 
 def built(compiler: str, source: Path, library: Path, *flags: str) -> Path:

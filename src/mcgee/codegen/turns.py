@@ -39,6 +39,7 @@ def turns_function(head: str, restrict: str, exact: str = "EXACT") -> str:
     return filled(
         _TURNS,
         HEAD=head,
+        NAME=head.rpartition(" ")[2],
         RESTRICT=restrict,
         EXACT=exact,
         COSINES=_horner(COS),
@@ -65,12 +66,23 @@ _TURNS = """
 #else
 #define EXACT 1
 #endif
+HEAD_by_library(
+    int count, const double *RESTRICT x, double *RESTRICT c, double *RESTRICT s, int all)
+{
+    for (int i = 0; i < count; ++i) {
+        if (all || !(fabs(x[i]) < REACH)) {
+            c[i] = cos(x[i]);
+            s[i] = sin(x[i]);
+        }
+    }
+}
+
 HEAD(
     int count, const double *RESTRICT x, double *RESTRICT c, double *RESTRICT s)
 {
     int exact = 0, beyond = 1;
 #if EXACT
-    static const volatile double quarter = 0.25;
+    const volatile double quarter = 0.25;
     /* Optimisations that reorder sums undo the rounding: then, too, the library. */
     exact = (quarter + ROUND) - ROUND == 0.0;
     beyond = !exact;
@@ -99,11 +111,8 @@ HEAD(
         beyond |= !(fabs(x[i]) < REACH);
     }
 #endif
-    for (int i = 0; beyond && i < count; ++i) {
-        if (!exact || !(fabs(x[i]) < REACH)) {
-            c[i] = cos(x[i]);
-            s[i] = sin(x[i]);
-        }
+    if (beyond) {
+        NAME_by_library(count, x, c, s, !exact);
     }
 }
 """

@@ -29,12 +29,23 @@
 #else
 #define PLANAR_2R_EXACT 1
 #endif
+inline void planar_2r_turns_by_library(
+    int count, const double *__restrict x, double *__restrict c, double *__restrict s, int all)
+{
+    for (int i = 0; i < count; ++i) {
+        if (all || !(fabs(x[i]) < 100000.0)) {
+            c[i] = cos(x[i]);
+            s[i] = sin(x[i]);
+        }
+    }
+}
+
 inline void planar_2r_turns(
     int count, const double *__restrict x, double *__restrict c, double *__restrict s)
 {
     int exact = 0, beyond = 1;
 #if PLANAR_2R_EXACT
-    static const volatile double quarter = 0.25;
+    const volatile double quarter = 0.25;
     /* Optimisations that reorder sums undo the rounding: then, too, the library. */
     exact = (quarter + 6755399441055744.0) - 6755399441055744.0 == 0.0;
     beyond = !exact;
@@ -67,11 +78,8 @@ inline void planar_2r_turns(
         beyond |= !(fabs(x[i]) < 100000.0);
     }
 #endif
-    for (int i = 0; beyond && i < count; ++i) {
-        if (!exact || !(fabs(x[i]) < 100000.0)) {
-            c[i] = cos(x[i]);
-            s[i] = sin(x[i]);
-        }
+    if (beyond) {
+        planar_2r_turns_by_library(count, x, c, s, !exact);
     }
 }
 

@@ -40,7 +40,7 @@ MAY_IMPORT = {
     "trigonometry": [],
     "codegen": [
         *("algorithms", "arms", "build", "closed_form", "graph", "mechanism", "quantities"),
-        *("kernels", "robot", "scalar", "trigonometry"),
+        *("kernels", "robot", "scalar", "trigonometry", "writing"),
     ],
     "audit": ["robot"],
     "control": ["kernels", "mechanism", "model", "robot"],

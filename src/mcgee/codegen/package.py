@@ -13,6 +13,7 @@ from pathlib import Path
 import mcgee
 from mcgee.codegen.common import Files
 from mcgee.codegen.unit import Unit
+from mcgee.writing import umask
 
 MANIFEST = "mcgee.json"
 
@@ -89,7 +90,7 @@ def _make(place: Path, files: Files) -> None:
     """Made beside its place and moved there."""
     staged = Path(tempfile.mkdtemp(prefix=f".{place.name}-", dir=place.parent))
     try:
-        staged.chmod(0o777 & ~_umask())
+        staged.chmod(0o777 & ~umask())
         put(staged, files)
         staged.rename(place)
     except BaseException:
@@ -165,9 +166,3 @@ def _stale(folder: Path, files: Files) -> set[str]:
         if inside and file.is_file() and hashlib.sha256(file.read_bytes()).hexdigest() == digest:
             found.add(file.resolve().relative_to(folder).as_posix())
     return found
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask

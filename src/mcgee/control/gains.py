@@ -128,9 +128,7 @@ def joint_vector(robot: Robot, name: str, given: Any) -> Array:
             f"{name} has shape {array.shape}, expected (..., {robot.n}) for robot '{robot.name}'. "
             f"Joints: {', '.join(robot.joint_names)}."
         )
-    if not np.isfinite(array).all():
-        raise ValueError(f"{name} holds {array[~np.isfinite(array)][0]}, expected finite numbers.")
-    return array
+    return _finite(name, array)
 
 
 def finite(name: str, given: Any, shape: tuple[int, ...], what: str = "numbers") -> Array:
@@ -141,6 +139,10 @@ def finite(name: str, given: Any, shape: tuple[int, ...], what: str = "numbers")
     array = numbers(name, given)
     if array.shape[array.ndim - len(shape) :] != shape or array.ndim < len(shape):
         raise ValueError(f"{name} has shape {array.shape}, expected {shape}: {what}.")
+    return _finite(name, array)
+
+
+def _finite(name: str, array: Array) -> Array:
     if not np.isfinite(array).all():
         raise ValueError(f"{name} holds {array[~np.isfinite(array)][0]}, expected finite numbers.")
     return array

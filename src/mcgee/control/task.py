@@ -138,7 +138,8 @@ def _task_reference(given: Any) -> Callable[[float], tuple[Array, Array, Array]]
                     f"the reference gives no (position, velocity, acceleration) at t = {t:.6g} s: "
                     f"{error}."
                 ) from error
-            return tuple(numbers("the reference", part) for part in (x, v, a))  # type: ignore
+            what = "the reference"
+            return numbers(what, x), numbers(what, v), numbers(what, a)
 
         return reference
     target = numbers("target", given)
